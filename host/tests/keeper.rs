@@ -5,7 +5,7 @@ mod program;
 use dermatome::{
     body::{
         file::BodyFile,
-        keeper::{Keeper, Phase, Reference, Told},
+        keeper::{Asked, Keeper, Phase, Reference, Told},
         surface,
     },
     shared::{drive::Drive, protocol::Selection},
@@ -33,13 +33,13 @@ fn a_drive_that_is_asked_for_in_a_tare_is_that_of_the_reference() {
         let (keeper, told) = keep(&desk, &port, selection);
         let before = reference(&told);
         wait(&told, |told| is(told, Phase::Live).then_some(()));
-        keeper.tare();
+        keeper.ask(Asked::Tare);
         wait(&told, |told| is(told, Phase::Taring).then_some(()));
         // Some of the frames that it averages have come.
         thread::sleep(Duration::from_millis(300));
         // So slow that this tare would not end in the time that it has.
         let half = Drive::new(50e3, 0.5e-3, 4.0);
-        keeper.drive(half);
+        keeper.ask(Asked::Drive(half));
         let driven = |told: Told| matches!(told, Told::Driven(driven) if driven.drive == half).then_some(());
         wait(&told, driven);
         let after = reference(&told);
@@ -59,7 +59,7 @@ fn who_asks_for_a_tare_while_one_is_made_gets_one() {
         wait(&told, |told| is(told, Phase::Live).then_some(()));
         // The second is asked for in the first.
         for _ in 0..2 {
-            keeper.tare();
+            keeper.ask(Asked::Tare);
             wait(&told, |told| is(told, Phase::Taring).then_some(()));
         }
         wait(&told, |told| is(told, Phase::Live).then_some(()));
@@ -71,7 +71,7 @@ fn a_tare_of_frames_that_hardly_come_does_not_keep_its_keeper_from_ending() {
     let (desk, _board, port) = board();
     let (keeper, told) = keep(&desk, &port, SERVED);
     wait(&told, |told| is(told, Phase::Live).then_some(()));
-    keeper.drive(Drive::new(50e3, 1e-3, 0.01));
+    keeper.ask(Asked::Drive(Drive::new(50e3, 1e-3, 0.01)));
     wait(&told, |told| is(told, Phase::Taring).then_some(()));
     let begun = Instant::now();
     drop(keeper);

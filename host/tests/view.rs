@@ -266,6 +266,7 @@ fn pages_of_others_and_other_names_stay_out_and_other_computers_need_a_token() {
         (Some(own.as_str()), true),
         (Some("https://app.foxglove.dev"), true),
         (Some("http://evil.example"), false),
+        (Some("file://"), false),
         (Some("null"), false),
     ] {
         let shaken = shake(&address, "", origin, "foxglove.sdk.v1");
@@ -273,6 +274,8 @@ fn pages_of_others_and_other_names_stay_out_and_other_computers_need_a_token() {
     }
     assert!(shake(&address, "", None, "foxglove.websocket.v1").is_ok(), "older programs");
     assert!(shake(&address, "", None, "chat").is_err());
+    let (_open, to_files) = view(&desk, &["--port", "sim:skin.toml", "--allow-origin", "file://"]);
+    assert!(shake(&to_files, "", Some("file://"), "foxglove.sdk.v1").is_ok());
     let page = get(&address, &format!("GET / HTTP/1.1\r\nHost: {address}\r\n\r\n"));
     assert!(page.starts_with("HTTP/1.1 200") && page.contains("Content-Security-Policy"), "{page}");
     let stranger = get(&address, "GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n");

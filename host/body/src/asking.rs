@@ -2,20 +2,11 @@
 
 use crate::{
     Sense,
-    keeper::{Keeper, Phase, State, Told},
+    keeper::{Asked, Phase, State, Told},
 };
 use dermatome_messages::dermatome::{DriveRequest, number_of_gain};
 use dermatome_shared::drive::Drive;
 use serde::{Deserialize, Serialize};
-
-/// What a keeper is to do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Asked {
-    /// Make a new reference.
-    Tare,
-    /// Drive the skin like this.
-    Drive(Drive),
-}
 
 /// What became of it; as std_srvs/srv/Trigger_Response and dermatome_msgs/srv/Drive_Response.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -37,36 +28,26 @@ enum Awaited {
     Drive(Drive),
 }
 
-impl Asked {
-    /// Whether a new reference can be made, or why not.
-    pub fn tare(sense: &Sense) -> Result<Self, Outcome> {
-        let state = &sense.state;
-        match state.phase {
-            Phase::Taring => Ok(Self::Tare),
-            Phase::Live if !state.waits() => Ok(Self::Tare),
-            _ => Err(Outcome::refused(&state.text)),
-        }
+/// Whether a new reference can be asked for, or why not.
+pub fn tare(sense: &Sense) -> Result<Asked, Outcome> {
+    let state = &sense.state;
+    match state.phase {
+        Phase::Taring => Ok(Asked::Tare),
+        Phase::Live if !state.waits() => Ok(Asked::Tare),
+        _ => Err(Outcome::refused(&state.text)),
     }
+}
 
-    /// The drive that is asked for, or why it cannot be.
-    pub fn drive(request: &DriveRequest, sense: &Sense) -> Result<Self, Outcome> {
-        let is_there = matches!(sense.state.phase, Phase::Live | Phase::Taring);
-        let driven = sense.driven.as_ref().filter(|_| is_there);
-        let Some(driven) = driven else { return Err(Outcome::refused(&sense.state.text)) };
-        let drive = request.of(&driven.drive);
-        match driven.check(&drive) {
-            Err(error) => Err(Outcome::refused(error.to_string())),
-            Ok(()) if drive == driven.drive => Err(Outcome::done(in_words(&drive))),
-            Ok(()) => Ok(Self::Drive(drive)),
-        }
-    }
-
-    /// Has a keeper do it.
-    pub fn pass_to(self, keeper: &Keeper) {
-        match self {
-            Self::Tare => keeper.tare(),
-            Self::Drive(drive) => keeper.drive(drive),
-        }
+/// The drive that can be asked for, or why not.
+pub fn drive(request: &DriveRequest, sense: &Sense) -> Result<Asked, Outcome> {
+    let is_there = matches!(sense.state.phase, Phase::Live | Phase::Taring);
+    let driven = sense.driven.as_ref().filter(|_| is_there);
+    let Some(driven) = driven else { return Err(Outcome::refused(&sense.state.text)) };
+    let drive = request.of(&driven.drive);
+    match driven.check(&drive) {
+        Err(error) => Err(Outcome::refused(error.to_string())),
+        Ok(()) if drive == driven.drive => Err(Outcome::done(in_words(&drive))),
+        Ok(()) => Ok(Asked::Drive(drive)),
     }
 }
 
@@ -90,14 +71,8 @@ impl<Asker> Default for Waiting<Asker> {
 impl<Asker> Waiting<Asker> {
     /// How many there are.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.0.len()
-    }
-
-    /// Whether there is none.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
     }
 
     /// Somebody waits for this.

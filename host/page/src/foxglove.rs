@@ -94,10 +94,9 @@ pub(crate) fn server_info(name: &str, session: &str) -> String {
 pub(crate) fn advertise(spaces: &[String], is_robot: bool) -> String {
     let channels: Vec<Value> = (0..spaces.len())
         .flat_map(|space| Topic::ALL.map(|topic| (space, topic)))
+        .filter(|(space, topic)| *space == 0 || !topic.is_shared())
         .filter(|(_, topic)| is_robot || !topic.is_of_robot())
-        .map(|(space, topic)| (space, Channel::new(space, topic)))
-        .filter(|(space, channel)| channel.space == *space)
-        .map(|(space, channel)| advertisement(channel, &spaces[space]))
+        .map(|(space, topic)| advertisement(Channel::new(space, topic), &spaces[space]))
         .collect();
     json!({ "op": "advertise", "channels": channels }).to_string()
 }

@@ -324,11 +324,12 @@ struct Of<'a> {
 
 fn piece(of: Of<'_>, opcode: u8, data: &[u8]) -> Result<Option<Piece>, McapError> {
     let is_wanted = matches!(opcode, op::CHANNEL | op::MESSAGE | op::METADATA | op::ATTACHMENT);
-    if !is_wanted || opcode == op::ATTACHMENT && !is_whole(opcode, data) {
+    if !is_wanted {
         return Ok(None);
     }
     if !is_whole(opcode, data) {
-        return Err(McapError::UnexpectedEof);
+        // Without one attachment the rest may be of use.
+        return if opcode == op::ATTACHMENT { Ok(None) } else { Err(McapError::UnexpectedEof) };
     }
     let Of { topics, session, space } = of;
     Ok(match mcap::parse_record(opcode, data)? {

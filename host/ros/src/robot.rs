@@ -7,7 +7,11 @@ use crate::{
     settings::Settings,
     skin::Skin,
 };
-use dermatome_body::{Body, asking::Asked, file::BodyFile, keeper::Told};
+use dermatome_body::{
+    Body,
+    file::BodyFile,
+    keeper::{Asked, Told},
+};
 use dermatome_messages::{
     clock::now_ns,
     standard::{DiagnosticArray, Header, TfMessage, Time, WrenchStamped},

@@ -3,8 +3,8 @@
 use crate::node::{RELIABLE, RosError};
 use dermatome_body::{
     Sense,
-    asking::{Asked, Outcome, Waiting},
-    keeper::Told,
+    asking::{self, Outcome, Waiting},
+    keeper::{Asked, Told},
 };
 use dermatome_messages::dermatome::DriveRequest;
 use ros2_client::{
@@ -60,8 +60,8 @@ impl Services {
 
     /// Takes what has been asked for; what cannot be is answered.
     pub(crate) fn requests(&mut self, sense: &Sense) -> Vec<Asked> {
-        let tares = self.tare.requests(|_| Asked::tare(sense));
-        let drives = self.drive.requests(|DriveMessage(request)| Asked::drive(request, sense));
+        let tares = self.tare.requests(|_| asking::tare(sense));
+        let drives = self.drive.requests(|DriveMessage(request)| asking::drive(request, sense));
         tares.into_iter().chain(drives).collect()
     }
 

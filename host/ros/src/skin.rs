@@ -9,9 +9,8 @@ use crate::{
 };
 use dermatome_body::{
     Report, Sense,
-    asking::Asked,
     file::BodyFile,
-    keeper::{Phase, Told},
+    keeper::{Asked, Phase, Told},
 };
 use dermatome_messages::{
     clock::now_ns,

@@ -1,15 +1,15 @@
 //! Asking: what skins are asked to do over the network, by who asks and by who does it.
 
 use crate::{
-    key::{Order, Space, all_alive},
-    listener::{ANSWERED, LOOK, find},
+    key::{Order, Space},
+    listener::{LOOK, alive, find},
     message::{self, DecodeError, MOST_BYTES, Stamp, Version, decode, encode, shortened},
     settings::{Settings, ZenohError},
 };
 use dermatome_body::{
     Sense,
-    asking::{Asked, Outcome, Waiting},
-    keeper::Told,
+    asking::{self, Outcome, Waiting},
+    keeper::{Asked, Told},
 };
 use dermatome_messages::dermatome::DriveRequest;
 use std::{
@@ -44,12 +44,6 @@ pub(crate) struct Desk {
     _queryable: Queryable<()>,
 }
 
-/// Answers in the name of one skin.
-struct Clerk {
-    space: Space,
-    run: u64,
-}
-
 impl Desk {
     /// Does what it is asked for, if that is allowed.
     pub(crate) fn open(
@@ -60,10 +54,10 @@ impl Desk {
     ) -> Result<Self, ZenohError> {
         let (sender, asked) = sync_channel(MOST_WAITING);
         let (answers, answered) = sync_channel::<(Query, Outcome)>(2 * MOST_WAITING);
-        let clerk = Clerk { space: space.clone(), run };
+        let skin = space.clone();
         thread::Builder::new()
-            .name("clerk".to_owned())
-            .spawn(move || answered.iter().for_each(|(query, outcome)| clerk.answer(&query, &outcome)))
+            .name("answers".to_owned())
+            .spawn(move || answered.iter().for_each(|(query, outcome)| answer(&skin, run, &query, &outcome)))
             .map_err(|error| ZenohError::Zenoh(error.to_string()))?;
         let refuse = answers.clone();
         let queryable = session
@@ -85,7 +79,7 @@ impl Desk {
     pub(crate) fn requests(&mut self, sense: &Sense) -> Vec<Asked> {
         let mut wanted = Vec::new();
         for (order, query) in self.asked.try_iter().take(MOST_WAITING) {
-            let decided = if self.waiting.len() < MOST_WAITING {
+            let decided = if self.waiting.count() < MOST_WAITING {
                 decide(order, &query, sense)
             } else {
                 Err(Outcome::refused("too much is asked at once"))
@@ -121,23 +115,22 @@ fn decide(order: Order, query: &Query, sense: &Sense) -> Result<Asked, Outcome> 
         message::stamp(&stamp.to_bytes()).map_err(unreadable)?;
     }
     match order {
-        Order::Tare => Asked::tare(sense),
+        Order::Tare => asking::tare(sense),
         Order::Drive => {
             let payload = query.payload().map(payload).transpose().map_err(unreadable)?;
-            Asked::drive(&decode(&payload.unwrap_or_default()).map_err(unreadable)?, sense)
+            asking::drive(&decode(&payload.unwrap_or_default()).map_err(unreadable)?, sense)
         }
     }
 }
 
-impl Clerk {
-    fn answer(&self, query: &Query, outcome: &Outcome) {
-        let order = order(query).and_then(Result::ok).unwrap_or(Order::Tare);
-        let key = self.space.of_order(order);
-        let stamp = Stamp { version: Version::OURS, run: self.run, number: 0 };
-        let outcome = Outcome { message: shortened(&outcome.message), success: outcome.success };
-        if let Err(error) = query.reply(&key, encode(&outcome)).attachment(encode(&stamp)).wait() {
-            log::debug!("`{key}` is not answered: {error}");
-        }
+/// Answers in the name of a skin.
+fn answer(space: &Space, run: u64, query: &Query, outcome: &Outcome) {
+    // Who asks for neither is answered under a key that belongs to what was asked.
+    let key = space.of_order(order(query).and_then(Result::ok).unwrap_or(Order::Tare));
+    let stamp = Stamp { version: Version::OURS, run, number: 0 };
+    let outcome = Outcome { message: shortened(&outcome.message), success: outcome.success };
+    if let Err(error) = query.reply(&key, encode(&outcome)).attachment(encode(&stamp)).wait() {
+        log::debug!("`{key}` is not answered: {error}");
     }
 }
 
@@ -242,7 +235,7 @@ fn skins(
     let begun = Instant::now();
     let (mut there, mut changed) = (BTreeSet::new(), begun);
     while !is_over() {
-        let now = alive(session, robot)?;
+        let now = alive(session, Some(robot))?;
         if now != there {
             (there, changed) = (now, Instant::now());
         }
@@ -266,15 +259,4 @@ fn skins(
         thread::sleep(LOOK);
     }
     Ok(Vec::new())
-}
-
-/// The skins of a robot that are served now.
-fn alive(session: &Session, robot: &str) -> Result<BTreeSet<Space>, ZenohError> {
-    let replies = session.liveliness().get(all_alive(Some(robot))).timeout(ANSWERED).wait()?;
-    let mut there = BTreeSet::new();
-    while let Ok(reply) = replies.recv() {
-        let key = reply.result().ok().map(|sample| sample.key_expr().as_str().to_owned());
-        there.extend(key.and_then(|key| Space::of_alive(&key)).map(|(space, _)| space));
-    }
-    Ok(there)
 }

@@ -33,7 +33,7 @@ const ASKED: Duration = Duration::from_secs(1);
 const FIRST_ASKED: Duration = Duration::from_millis(150);
 const FIRST: u32 = 8;
 /// How long an answer may take.
-pub(crate) const ANSWERED: Duration = Duration::from_secs(1);
+const ANSWERED: Duration = Duration::from_secs(1);
 /// How often robots are looked for.
 pub(crate) const LOOK: Duration = Duration::from_millis(200);
 
@@ -328,12 +328,8 @@ impl Listener {
 /// The only robot that is there, once one is.
 pub(crate) fn find(session: &Session, is_over: impl Fn() -> bool) -> Result<Option<String>, ZenohError> {
     while !is_over() {
-        let replies = session.liveliness().get(all_alive(None)).timeout(ANSWERED).wait()?;
-        let mut robots = BTreeSet::new();
-        while let Ok(reply) = replies.recv() {
-            let key = reply.result().ok().map(|sample| sample.key_expr().as_str().to_owned());
-            robots.extend(key.and_then(|key| Space::of_alive(&key)).map(|(space, _)| space.robot));
-        }
+        let mut robots: BTreeSet<String> =
+            alive(session, None)?.into_iter().map(|space| space.robot).collect();
         match robots.len() {
             0 => std::thread::sleep(LOOK),
             1 => return Ok(robots.pop_first()),
@@ -343,4 +339,15 @@ pub(crate) fn find(session: &Session, is_over: impl Fn() -> bool) -> Result<Opti
         }
     }
     Ok(None)
+}
+
+/// The skins of a robot, or of all, that are served now.
+pub(crate) fn alive(session: &Session, robot: Option<&str>) -> Result<BTreeSet<Space>, ZenohError> {
+    let replies = session.liveliness().get(all_alive(robot)).timeout(ANSWERED).wait()?;
+    let mut there = BTreeSet::new();
+    while let Ok(reply) = replies.recv() {
+        let key = reply.result().ok().map(|sample| sample.key_expr().as_str().to_owned());
+        there.extend(key.and_then(|key| Space::of_alive(&key)).map(|(space, _)| space));
+    }
+    Ok(there)
 }

@@ -6,7 +6,10 @@ use crate::{
     message::{Contacts, Health, Image, Stamp, State, Tare, Version, encode, shortened},
     settings::ZenohError,
 };
-use dermatome_body::{Report, Sense, asking::Asked, keeper::Told};
+use dermatome_body::{
+    Report, Sense,
+    keeper::{Asked, Told},
+};
 use dermatome_link::ScanFrame;
 use dermatome_messages::clock::now_ns;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -8,9 +8,8 @@ use crate::{
 };
 use dermatome_body::{
     Body, Sense,
-    asking::Asked,
     file::{BodyFile, Patch},
-    keeper::Told,
+    keeper::{Asked, Told},
 };
 use dermatome_messages::clock::now_ns;
 use std::time::{Duration, Instant};

@@ -23,6 +23,7 @@ use dermatome_shared::{
 use dermatome_simulate::port::{OpenError, Port, open};
 use std::{
     io,
+    ops::ControlFlow,
     sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel},
     thread::{self, JoinHandle},
     time::{Duration, Instant},
@@ -45,17 +46,25 @@ const FREE: Duration = Duration::from_millis(500);
 /// What is said of a board that makes a reference.
 const AVERAGING: &str = "averaging the untouched skin";
 
-/// What a keeper may be asked.
-#[derive(Debug)]
-enum Asked {
+/// What a keeper may be asked to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Asked {
+    /// Make a new reference, once nothing presses.
     Tare,
-    Drive(Box<Drive>),
+    /// Drive the skin like this from now on, and after every restart of the board.
+    Drive(Drive),
+}
+
+/// What comes to its thread.
+#[derive(Debug)]
+enum Order {
+    Do(Asked),
     Stop,
 }
 
 /// Holds a board until it is dropped.
 pub struct Keeper {
-    asked: Sender<Asked>,
+    orders: Sender<Order>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -67,14 +76,14 @@ impl Keeper {
         selection: Selection,
         tell: impl FnMut(Told) + Send + 'static,
     ) -> io::Result<Self> {
-        let (asked, receiver) = channel();
+        let (orders, receiver) = channel();
         let board = Board {
             port: patch.port.clone(),
             on_bus: patch.on_bus,
             skin: patch.skin.name.clone(),
             surface,
             selection,
-            asked: receiver,
+            orders: receiver,
             tell: Box::new(tell),
             known: None,
             drive: None,
@@ -86,27 +95,22 @@ impl Keeper {
             wants_tare: false,
         };
         let thread = thread::Builder::new().name(patch.name.clone()).spawn(move || board.keep())?;
-        Ok(Self { asked, thread: Some(thread) })
+        Ok(Self { orders, thread: Some(thread) })
     }
 
-    /// Asks for a new reference, which is made once nothing presses.
-    pub fn tare(&self) {
-        self.ask(Asked::Tare);
-    }
-
-    /// Drives the skin like this from now on, and after every restart of the board.
-    pub fn drive(&self, drive: Drive) {
-        self.ask(Asked::Drive(Box::new(drive)));
+    /// Asks it to do this.
+    pub fn ask(&self, asked: Asked) {
+        self.send(Order::Do(asked));
     }
 
     /// Asks it to end, which dropping it waits for.
     pub fn stop(&self) {
-        self.ask(Asked::Stop);
+        self.send(Order::Stop);
     }
 
-    fn ask(&self, asked: Asked) {
+    fn send(&self, order: Order) {
         // Fails if the keeper has ended, which it has told.
-        let _ = self.asked.send(asked);
+        let _ = self.orders.send(order);
     }
 }
 
@@ -151,7 +155,7 @@ struct Board {
     skin: String,
     surface: SurfaceTables,
     selection: Selection,
-    asked: Receiver<Asked>,
+    orders: Receiver<Order>,
     tell: Box<dyn FnMut(Told) + Send>,
     /// Id of the patch that was found to be of this skin.
     known: Option<u32>,
@@ -216,10 +220,10 @@ impl Board {
     fn pause(&mut self, time: Duration) -> Option<Stop> {
         let until = Instant::now() + time;
         loop {
-            match self.asked.recv_timeout(until.saturating_duration_since(Instant::now())) {
-                Ok(Asked::Tare) => self.wants_tare = true,
-                Ok(Asked::Drive(drive)) => self.drive = Some(*drive),
-                Ok(Asked::Stop) | Err(RecvTimeoutError::Disconnected) => return Some(Stop),
+            match self.orders.recv_timeout(until.saturating_duration_since(Instant::now())) {
+                Ok(Order::Do(Asked::Tare)) => self.wants_tare = true,
+                Ok(Order::Do(Asked::Drive(drive))) => self.drive = Some(drive),
+                Ok(Order::Stop) | Err(RecvTimeoutError::Disconnected) => return Some(Stop),
                 Err(RecvTimeoutError::Timeout) => return None,
             }
         }
@@ -264,6 +268,19 @@ impl Board {
     fn drives(&mut self, drive: Drive) {
         self.drive = Some(drive);
         (self.tell)(Told::Driven(Box::new(Driven { drive, front_end: self.front_end })));
+    }
+
+    /// Does what has been asked for, with a board that is there: says whether it drives its skin otherwise now.
+    fn obey(&mut self, link: &mut Link, patch: &mut PatchInfo) -> Result<ControlFlow<Stop, bool>, LinkError> {
+        let mut is_changed = false;
+        loop {
+            match self.orders.try_recv() {
+                Ok(Order::Do(Asked::Tare)) => self.wants_tare = true,
+                Ok(Order::Do(Asked::Drive(drive))) => is_changed |= self.change_drive(link, patch, drive)?,
+                Ok(Order::Stop) | Err(TryRecvError::Disconnected) => return Ok(ControlFlow::Break(Stop)),
+                Err(TryRecvError::Empty) => return Ok(ControlFlow::Continue(is_changed)),
+            }
+        }
     }
 
     /// Has the skin driven like this; the board may refuse. Says whether it is driven otherwise now.
@@ -334,15 +351,10 @@ impl Board {
             if let Some(why) = averaging.too_late() {
                 return Err(link.error(why));
             }
-            match self.asked.try_recv() {
-                Ok(Asked::Tare) => self.wants_tare = true,
-                Ok(Asked::Drive(drive)) => {
-                    if self.change_drive(link, patch, *drive)? {
-                        averaging = Averaging::begin(link, patch)?;
-                    }
-                }
-                Ok(Asked::Stop) | Err(TryRecvError::Disconnected) => return Ok(Some(Stop)),
-                Err(TryRecvError::Empty) => {}
+            match self.obey(link, patch)? {
+                ControlFlow::Break(stop) => return Ok(Some(stop)),
+                ControlFlow::Continue(true) => averaging = Averaging::begin(link, patch)?,
+                ControlFlow::Continue(false) => {}
             }
         }
         self.made_now = true;
@@ -387,20 +399,16 @@ impl Board {
         let (mut heard, mut touched) = (Instant::now(), Instant::now());
         let mut is_said = false;
         loop {
-            while let Ok(asked) = self.asked.try_recv() {
-                match asked {
-                    Asked::Tare => self.wants_tare = true,
-                    Asked::Drive(drive) => {
-                        if self.change_drive(stream.link(), patch, *drive)? {
-                            // The board begins that of a tare anew, and all may take longer now.
-                            (self.wants_tare, averaging, silence) = (true, None, frame_timeout(patch));
-                        }
-                    }
-                    Asked::Stop => {
-                        stream.stop()?;
-                        return Ok(Some(Stop));
-                    }
+            match self.obey(stream.link(), patch)? {
+                ControlFlow::Break(stop) => {
+                    stream.stop()?;
+                    return Ok(Some(stop));
                 }
+                // The board begins that of a tare anew, and all may take longer now.
+                ControlFlow::Continue(true) => {
+                    (self.wants_tare, averaging, silence) = (true, None, frame_timeout(patch));
+                }
+                ControlFlow::Continue(false) => {}
             }
             if self.wants_tare && averaging.is_none() && touched.elapsed() >= FREE {
                 self.wants_tare = false;

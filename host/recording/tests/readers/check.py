@@ -210,7 +210,8 @@ class WholeRecording(unittest.TestCase):
         contacts = {time: frame["contacts"] for _, time, frame in content.messages["/dermatome/contacts"]}
         for _, time, array in content.messages["/dermatome/markers"]:
             clear, *drawn = array["markers"]
-            self.assertEqual(clear["action"], 3)
+            # With a name it would clear those of that name only.
+            self.assertEqual((clear["action"], clear["ns"]), (3, ""))
             self.assertEqual([marker["type"] for marker in drawn], [2, 0, 9] * len(contacts[time]))
             for contact, sphere, arrow, text in zip(contacts[time], drawn[::3], drawn[1::3], drawn[2::3]):
                 self.assertEqual(sphere["pose"]["position"], contact["position"])
@@ -282,6 +283,18 @@ class StandardTypes(unittest.TestCase):
                 self.assertEqual(ours.serialize_cdr(message, connection.msgtype), data, connection.topic)
 
 
+def served(body, file, seconds):
+    """What is in the recording that `serve` makes of a body."""
+    ran = subprocess.run(
+        [PROGRAM, "serve", body, "--record", file, "--duration", str(seconds)],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+    )
+    assert ran.returncode == 0, ran.stderr
+    return readers.mcap_by_index(file)
+
+
 class BodyRecording(unittest.TestCase):
     """A recording of all skins of a body, one of whose boards was not there."""
 
@@ -293,14 +306,7 @@ class BodyRecording(unittest.TestCase):
         table = "[[patches]]\nname = '{}'\nskin = '{}'\nport = '{}'\n{}"
         body = "".join(table.format(name, MODEL, port, place) for name, port in patches)
         (desk.path / "body.toml").write_text(f'name = "arm"\n{body}')
-        ran = subprocess.run(
-            [PROGRAM, "serve", desk.path / "body.toml", "--record", cls.file, "--duration", "5"],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-        )
-        assert ran.returncode == 0, ran.stderr
-        cls.content = readers.mcap_by_index(cls.file)
+        cls.content = served(desk.path / "body.toml", cls.file, seconds=5)
 
     def test_every_reader_finds_the_same_in_it(self):
         # Frames of one skin's tare come into the file when it is over, after later ones of another skin.
@@ -352,14 +358,7 @@ class RobotRecording(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.file = desk.path / "robot.mcap"
-        ran = subprocess.run(
-            [PROGRAM, "serve", ARM, "--record", cls.file, "--duration", "4"],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-        )
-        assert ran.returncode == 0, ran.stderr
-        cls.content = readers.mcap_by_index(cls.file)
+        cls.content = served(ARM, cls.file, seconds=4)
 
     def test_every_reader_finds_the_same_of_the_robot(self):
         topics = ["/links", "/tf", "/tf_static"]

@@ -8,6 +8,7 @@ use anyhow::ensure;
 use dermatome_body::file::is_part_of_topic;
 use dermatome_messages::dermatome::DriveRequest;
 use dermatome_model::skin::quantity::{CURRENT, FREQUENCY, Quantity};
+use dermatome_shared::drive::GAINS;
 use std::time::{Duration, Instant};
 
 /// Hear what all computers of a robot serve, as one body: contacts of every skin, and what presses on each link.
@@ -95,7 +96,7 @@ fn positive(value: Option<f32>) -> Option<f32> {
 
 /// 0 for automatic.
 fn gain(text: &str) -> Result<u8, &'static str> {
-    let fixed = [1, 2, 4, 8, 16, 32, 64].into_iter().find(|gain| gain.to_string() == text);
+    let fixed = GAINS.into_iter().find(|gain| gain.to_string() == text);
     fixed.or((text == "automatic").then_some(0)).ok_or("allowed: automatic, 1, 2, 4, 8, 16, 32 or 64")
 }
 

@@ -23,7 +23,7 @@ use anyhow::{Context, bail};
 use dermatome_body::{
     Body, Sense,
     file::{BodyFile, Patch},
-    keeper::{Keeper, Phase, Told},
+    keeper::{Asked, Keeper, Phase, Told},
     surface,
 };
 use dermatome_link::tables::SurfaceTables;
@@ -235,7 +235,7 @@ pub(super) fn serve(
     let keepers = keepers(file, &skins, selection(manner), &sender, &dropped)?;
     drop(sender);
     if manner.tare {
-        keepers.iter().for_each(Keeper::tare);
+        keepers.iter().for_each(|keeper| keeper.ask(Asked::Tare));
     }
     // Last, as others know it from here on.
     let zenoh = manner.zenoh.map(|network| Zenoh::start(file, network, manner.zenoh_orders)).transpose()?;
@@ -391,11 +391,10 @@ impl<'a> Served<'a> {
             {
                 return Ok(());
             }
-            if let Some(ros) = &mut self.ros {
-                ros.attend(&self.body, self.keepers);
-            }
-            if let Some(zenoh) = &mut self.zenoh {
-                zenoh.attend(&self.body, self.keepers);
+            let by_ros = self.ros.as_mut().map(|ros| ros.attend(&self.body)).unwrap_or_default();
+            let by_zenoh = self.zenoh.as_mut().map(|zenoh| zenoh.attend(&self.body)).unwrap_or_default();
+            for (index, asked) in by_ros.into_iter().chain(by_zenoh) {
+                self.keepers[index].ask(asked);
             }
             if let Some(onlookers) = &mut self.onlookers {
                 onlookers.answer(self.keepers, self.body.senses());

@@ -14,7 +14,7 @@ use anyhow::bail;
 use dermatome_body::{
     Sense,
     file::{BodyFile, Patch},
-    keeper::{Keeper, Phase, State, Told},
+    keeper::{Asked, Keeper, Phase, State, Told},
 };
 use dermatome_link::words;
 use dermatome_messages::{
@@ -199,13 +199,13 @@ impl Onlookers {
 
     fn done(&mut self, call: &Call, keeper: &Keeper, sense: &Sense) -> anyhow::Result<Value> {
         match call.service {
-            TARE => keeper.tare(),
+            TARE => keeper.ask(Asked::Tare),
             DRIVE => {
                 let Some(driven) = &sense.driven else { bail!("the board has not answered yet") };
                 let wanted = calls::request::<Change>(call)?.of(&driven.drive)?;
                 driven.check(&wanted)?;
                 self.stands[call.space].refused = None;
-                keeper.drive(wanted);
+                keeper.ask(Asked::Drive(wanted));
             }
             other => bail!("there is no service `{other}`"),
         }

@@ -4,7 +4,7 @@ use anyhow::Context;
 use dermatome_body::{
     Body,
     file::BodyFile,
-    keeper::{Keeper, Told},
+    keeper::{Asked, Told},
 };
 use dermatome_ros::{Robot, Settings};
 
@@ -31,12 +31,8 @@ impl Ros {
         self.robot.end(body);
     }
 
-    /// Passes on what services ask for.
-    pub(super) fn attend(&mut self, body: &Body, keepers: &[Keeper]) {
-        for (index, asked) in self.robot.attend(body) {
-            if let Some(keeper) = keepers.get(index) {
-                asked.pass_to(keeper);
-            }
-        }
+    /// What services ask keepers to do, by their patches.
+    pub(super) fn attend(&mut self, body: &Body) -> Vec<(usize, Asked)> {
+        self.robot.attend(body)
     }
 }

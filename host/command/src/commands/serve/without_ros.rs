@@ -4,7 +4,7 @@ use anyhow::bail;
 use dermatome_body::{
     Body,
     file::BodyFile,
-    keeper::{Keeper, Told},
+    keeper::{Asked, Told},
 };
 
 /// There is none.
@@ -25,7 +25,7 @@ impl Ros {
         match *self {}
     }
 
-    pub(super) fn attend(&mut self, _: &Body, _: &[Keeper]) {
+    pub(super) fn attend(&mut self, _: &Body) -> Vec<(usize, Asked)> {
         match *self {}
     }
 }

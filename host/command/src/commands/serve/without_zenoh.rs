@@ -5,7 +5,7 @@ use anyhow::bail;
 use dermatome_body::{
     Body,
     file::BodyFile,
-    keeper::{Keeper, Told},
+    keeper::{Asked, Told},
 };
 
 /// There is none.
@@ -22,7 +22,7 @@ impl Zenoh {
         match *self {}
     }
 
-    pub(super) fn attend(&mut self, _: &Body, _: &[Keeper]) {
+    pub(super) fn attend(&mut self, _: &Body) -> Vec<(usize, Asked)> {
         match *self {}
     }
 

@@ -5,7 +5,7 @@ use anyhow::Context;
 use dermatome_body::{
     Body,
     file::BodyFile,
-    keeper::{Keeper, Told},
+    keeper::{Asked, Told},
 };
 use dermatome_patch::input::read_text;
 use dermatome_zenoh::{Robot, Settings};
@@ -30,13 +30,9 @@ impl Zenoh {
         self.robot.tell(body, index, told);
     }
 
-    /// Tells that this computer goes on, and passes on what others ask for.
-    pub(super) fn attend(&mut self, body: &Body, keepers: &[Keeper]) {
-        for (index, asked) in self.robot.attend(body) {
-            if let Some(keeper) = keepers.get(index) {
-                asked.pass_to(keeper);
-            }
-        }
+    /// Tells that this computer goes on; gives what others ask keepers to do, by their patches.
+    pub(super) fn attend(&mut self, body: &Body) -> Vec<(usize, Asked)> {
+        self.robot.attend(body)
     }
 
     /// Leaves the network.
