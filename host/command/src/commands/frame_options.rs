@@ -5,12 +5,15 @@ use anyhow::Context;
 use dermatome_frames::{
     learn::presses::Layout,
     recorded::{
+        check::Expected,
         order::{self, Arrangement},
         read::{Frames, ReadError, Source, read, read_turned},
         wording::Wording,
     },
 };
+use dermatome_model::skin::Skin;
 use dermatome_shared::stimulation::Step;
+use std::{ffi::OsString, path::Path};
 
 /// How the file orders its measurements and numbers its electrodes.
 #[derive(clap::Args)]
@@ -48,6 +51,21 @@ impl FrameOptions {
         }
         let apart = frames.apart(steps, electrodes);
         apart.with_context(|| format!("`{source}` as potentials of electrodes"))
+    }
+
+    /// What a skin should measure: as good frames say, where there are some, otherwise as its model does.
+    pub(super) fn expected(
+        &self,
+        skin: &Skin,
+        skin_file: &Path,
+        good: Option<&OsString>,
+    ) -> anyhow::Result<Expected> {
+        let expected = Expected::of(skin).with_context(|| format!("skin file `{}`", skin_file.display()))?;
+        let Some(good) = good else { return Ok(expected) };
+        let source = Source::new(good);
+        let frames = self.read(&source, &skin.steps(), skin.electrodes.count)?;
+        let measured = expected.measured(&frames, self.arrangement());
+        measured.with_context(|| format!("--good `{source}`"))
     }
 
     /// How presses lie in their file.

@@ -56,7 +56,8 @@ fn set(
         .map(|value| Complex64::from(value + normal(random, noise)))
         .collect();
     let frames = Frames { values, frames: FRAMES, measurements: clean.len(), complex: false };
-    Ok(Set { name: format!("{name}, {snr_db:.0} dB"), expected, frames, arrangement: Arrangement::default() })
+    let (name, model) = (format!("{name}, {snr_db:.0} dB"), expected.clone());
+    Ok(Set { name, model, expected, frames, arrangement: Arrangement::default() })
 }
 
 fn normal(random: &mut Pcg64Mcg, deviation: f64) -> f64 {

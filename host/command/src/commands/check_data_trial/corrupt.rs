@@ -61,7 +61,7 @@ pub(super) fn corruptions(
         electrodes(&whole, random, &mut spoilt);
     }
     offsets(expected, frames, &mut spoilt);
-    signal(frames, &mut spoilt);
+    signal(expected, frames, used, &mut spoilt);
     spoilt
 }
 
@@ -206,11 +206,13 @@ fn offsets(expected: &Expected, frames: &Frames, spoilt: &mut Vec<Spoilt>) {
     }
 }
 
-fn signal(frames: &Frames, spoilt: &mut Vec<Spoilt>) {
+fn signal(expected: &Expected, frames: &Frames, used: Arrangement, spoilt: &mut Vec<Spoilt>) {
+    let Ok(map) = used.index_map(&expected.steps, expected.electrodes(), frames.measurements) else { return };
     if frames.frames < 5 {
         return;
     }
-    let largest = frames.values.iter().fold(0.0, |most: f64, value| most.max(value.re.abs()));
+    let measured = frames.iter().flat_map(|frame| map.iter().map(|place| frame[place.index].re.abs()));
+    let largest = measured.fold(0.0, f64::max);
     let limit = 0.8 * largest;
     let mut clipped = frames.clone();
     clipped.values.iter_mut().for_each(|value| value.re = value.re.clamp(-limit, limit));

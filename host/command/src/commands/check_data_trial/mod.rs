@@ -50,6 +50,9 @@ pub(super) struct Args {
     /// Seed of what is spoilt, and of simulated bodies.
     #[arg(long, default_value_t = 1, value_parser = seed, allow_negative_numbers = true)]
     seed: u64,
+    /// Check against these frames, of the same skin and instrument, instead of the model, as `check-data --good` does.
+    #[arg(long, value_name = "FILE", requires = "skin")]
+    good: Option<OsString>,
     #[command(flatten)]
     options: FrameOptions,
     #[command(flatten)]
@@ -59,6 +62,9 @@ pub(super) struct Args {
 /// Good frames of a skin.
 struct Set {
     name: String,
+    /// What spoils them where they say nothing.
+    model: Expected,
+    /// What they are checked against.
     expected: Expected,
     frames: Frames,
     arrangement: Arrangement,
@@ -121,7 +127,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 fn recorded(args: &Args, path: &Path) -> anyhow::Result<Vec<Set>> {
     ensure!(!args.files.is_empty(), "a skin file is given and no FILE; allowed: at least one");
     let skin = Skin::load(path)?.made()?;
-    let expected = Expected::of(&skin).with_context(|| format!("skin file `{}`", path.display()))?;
+    let model = args.options.expected(&skin, path, None)?;
+    let expected = args.options.expected(&skin, path, args.good.as_ref())?;
     let set = |file: &OsString| {
         let source = Source::new(file);
         let frames = args.options.read(&source, &skin.steps(), skin.electrodes.count)?;
@@ -129,7 +136,13 @@ fn recorded(args: &Args, path: &Path) -> anyhow::Result<Vec<Set>> {
         arrangement
             .index_map(&expected.steps, expected.electrodes(), frames.measurements)
             .with_context(|| format!("`{source}`"))?;
-        Ok(Set { name: source.to_string(), expected: expected.clone(), frames, arrangement })
+        Ok(Set {
+            name: source.to_string(),
+            model: model.clone(),
+            expected: expected.clone(),
+            frames,
+            arrangement,
+        })
     };
     args.files.iter().map(set).collect()
 }
@@ -141,7 +154,7 @@ fn tried(set: &Set, seed: u64, bar: &indicatif::ProgressBar) -> anyhow::Result<V
     // Faults of the frames as they are stay when more is wrong with them.
     let known: Vec<_> =
         good.findings.iter().filter(|it| it.level == Level::Fault).map(|it| it.about).collect();
-    let spoilt = corruptions(&set.expected, &set.frames, set.arrangement, &mut random);
+    let spoilt = corruptions(&set.model, &set.frames, set.arrangement, &mut random);
     bar.inc_length(spoilt.len() as u64);
     let try_one = |(kind, wrong, frames): &(&'static str, Wrong, Frames)| {
         let check = check(&set.expected, frames, set.arrangement)?;

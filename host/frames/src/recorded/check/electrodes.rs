@@ -2,7 +2,8 @@
 
 use super::{
     super::statistics::{median, pearson},
-    Expected, Readings,
+    Readings,
+    expected::Expected,
 };
 use dermatome_shared::stimulation::Step;
 use serde::Serialize;

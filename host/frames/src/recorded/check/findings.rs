@@ -5,7 +5,8 @@ use super::{
         diagnose::{LEAST_FIT, RESEMBLING, first_few},
         wording::{Advice, Rearrangement},
     },
-    Check, Expected,
+    Check,
+    expected::{Expected, KnownBy},
     gain::PairGain,
     numbering::Numbering,
     reading::Misplacement,
@@ -122,7 +123,7 @@ fn note(about: About, found: String, advice: impl Into<Advice>) -> Finding {
 
 fn order(expected: &Expected, check: &Check) -> Option<Finding> {
     let numbering = &check.numbering;
-    let before = numbering.correlation;
+    let (before, known_by) = (numbering.correlation, check.compared_with);
     if numbering.best != numbering.used {
         let can_be_read =
             numbering.best.index_map(&expected.steps, expected.electrodes(), check.measurements).is_ok();
@@ -142,26 +143,30 @@ fn order(expected: &Expected, check: &Check) -> Option<Finding> {
         };
         let best = numbering.best_correlation;
         let found =
-            format!("another order fits the model better (correlation {best:.3} instead of {before:.3})");
+            format!("another order fits {known_by} better (correlation {best:.3} instead of {before:.3})");
         return Some(fault(About::Order, found, advice));
     }
     (check.sound_correlation < RESEMBLING && (check.scatter > UNLIKE || check.bias > UNLIKE_TOGETHER))
-        .then(|| resemblance(numbering))
+        .then(|| resemblance(numbering, known_by))
 }
 
 /// Says how little the frames resemble the model.
-fn resemblance(numbering: &Numbering) -> Finding {
+fn resemblance(numbering: &Numbering, known_by: KnownBy) -> Finding {
     let Numbering { best_correlation: best, exchanged_correlation: correlation, .. } = numbering;
     let found = if *best < LEAST_FIT && *correlation < LEAST_FIT {
         format!(
-            "nothing fits: no order of the measurements correlates with the model by {LEAST_FIT} or more (best \
+            "nothing fits: no order of the measurements correlates with {known_by} by {LEAST_FIT} or more (best \
              {best:.3})"
         )
     } else {
-        format!("the frames resemble the model only weakly (correlation {correlation:.3}), in any order")
+        format!("the frames resemble {known_by} only weakly (correlation {correlation:.3}), in any order")
     };
-    let advice =
-        "check that the skin file's shape, electrodes and stimulation pattern are those of the measurement";
+    let advice = match known_by {
+        KnownBy::Model => {
+            "check that the skin file's shape, electrodes and stimulation pattern are those of the measurement"
+        }
+        KnownBy::GoodFrames => "check that both files are of the same skin, instrument and drive",
+    };
     fault(About::Resemblance, found, advice)
 }
 
@@ -292,7 +297,7 @@ fn polarity(check: &Check) -> Vec<Finding> {
     let polarity = &check.polarity;
     let mut findings = Vec::new();
     if polarity.magnitudes_only {
-        let found = "the values have no signs, the model's do".to_owned();
+        let found = format!("the values have no signs, those of {} do", check.compared_with);
         findings.push(note(
             About::Polarity,
             found,
@@ -300,12 +305,11 @@ fn polarity(check: &Check) -> Vec<Finding> {
         ));
     }
     if polarity.reversed {
-        let found = "all signs are the opposite of the model's: drive or sense pairs are the other way round";
-        findings.push(note(
-            About::Polarity,
-            found.to_owned(),
-            "nothing to change, images do not depend on it",
-        ));
+        let found = format!(
+            "all signs are the opposite of those of {}: drive or sense pairs are the other way round",
+            check.compared_with
+        );
+        findings.push(note(About::Polarity, found, "nothing to change, images do not depend on it"));
     }
     let pairs = |pairs: &[[u8; 2]]| {
         let pairs: Vec<_> = pairs.iter().map(|&[a, b]| format!("{}-{}", person(a), person(b))).collect();
@@ -327,9 +331,10 @@ fn polarity(check: &Check) -> Vec<Finding> {
         ));
     } else if !polarity.disagreements.is_empty() && check.numbering.exchanged_correlation > RESEMBLING {
         let found = format!(
-            "{} of {} signs disagree with the model's (steps {})",
+            "{} of {} signs disagree with those of {} (steps {})",
             polarity.disagreements.len(),
             polarity.compared,
+            check.compared_with,
             first_few(&polarity.disagreements)
         );
         let advice = "check the direction of the sense pairs";
@@ -353,30 +358,19 @@ fn electrodes(check: &Check) -> Vec<Finding> {
     let noisy = numbers(&|e| e.is_noisy() && !e.drive_is_off() && !e.sense_is_off());
     let list = |numbers: &[u16]| numbers.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
     let finding = |electrodes: &[u16], found: &str, advice: &str| {
-        let found = format!("electrode {}: {found}", list(electrodes));
+        let found = format!("electrode {}: nearly all measurements that {found}", list(electrodes));
         (!electrodes.is_empty()).then(|| fault(About::Electrode, found, advice))
     };
+    let off = format!("zero or far from {}", check.compared_with);
     [
-        finding(
-            &both,
-            "nearly all measurements that use it are zero or far from the model",
-            "check its wire and contact; it may be open or shorted",
-        ),
+        finding(&both, &format!("use it are {off}"), "check its wire and contact; it may be open or shorted"),
         finding(
             &drive,
-            "nearly all measurements that drive it are zero or far from the model",
+            &format!("drive it are {off}"),
             "check its drive wire and switch; of a pair that only drives together either may be at fault",
         ),
-        finding(
-            &sense,
-            "nearly all measurements that sense it are zero or far from the model",
-            "check its sense wire and switch",
-        ),
-        finding(
-            &noisy,
-            "nearly all measurements that use it are far noisier than others",
-            "check its contact",
-        ),
+        finding(&sense, &format!("sense it are {off}"), "check its sense wire and switch"),
+        finding(&noisy, "use it are far noisier than others", "check its contact"),
     ]
     .into_iter()
     .flatten()

@@ -114,7 +114,8 @@ fn is_known(step: Step, wired: Step) -> bool {
 /// By how much more each pair reads than when it drives, with each other pair.
 fn by_reciprocity(expected: &Expected, wired: &[Step], readings: &Readings) -> Gains {
     let mut gains = Gains::new();
-    let size = |step: usize| readings.measured[step].norm().hypot(readings.blur[step]).ln();
+    // Where the expected voltages are not reciprocal, against these.
+    let size = |step: usize| readings.logarithms[step].1 - readings.logarithms[step].0;
     for (one, other, _) in pairs_alike(wired) {
         let sense = |step: usize| [wired[step].sense_plus, wired[step].sense_minus];
         let drive = |step: usize| [wired[step].drive_plus, wired[step].drive_minus];

@@ -16,7 +16,8 @@
 
 use super::{
     super::statistics::{median, pearson},
-    Expected, Reference,
+    Reference,
+    expected::Expected,
     reading::Reading,
 };
 use crate::recorded::order::OrderError;
@@ -24,12 +25,8 @@ use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;
 use std::collections::BTreeMap;
 
-/// Electrodes may lie so far, as a share of their distance, from where the model has them.
-const PLACE_ERROR: f64 = 0.05;
 /// Errors of an instrument, as a share of its largest value.
 const FLOOR: f64 = 0.001;
-/// A step that senses a driven electrode has its contact in it, of which the model knows little.
-const CONTACT_ERROR: f64 = 1.0;
 /// An offset that was found is known to this share.
 const OFFSET_ERROR: f64 = 0.03;
 /// Share of the bias that counts where the scatter tells.
@@ -114,14 +111,10 @@ impl<'a> Comparison<'a> {
         let offset = OFFSET_ERROR * reading.offset.norm();
         let unknown: Vec<f64> = steps
             .iter()
-            .zip(&model)
             .zip(&blur)
-            .map(|((&step, m), blur)| {
-                let contact = if step.senses_driven() { CONTACT_ERROR * m } else { 0.0 };
-                let place = PLACE_ERROR * expected.slope(step);
-                let floor = FLOOR * largest;
-                let instrument = blur.hypot(offset) / gain;
-                [place, contact, floor, instrument].iter().map(|error| error * error).sum::<f64>().sqrt()
+            .map(|(&step, blur)| {
+                let instrument = (blur.hypot(offset) / gain).hypot(FLOOR * largest);
+                expected.error(step).hypot(instrument)
             })
             .collect();
         let signed: Vec<(f64, f64)> = (0..model.len())
@@ -151,7 +144,7 @@ impl<'a> Comparison<'a> {
 }
 
 /// Magnitudes with the sign that values have along their common phase, half the angle of the sum of squares.
-fn along_common_phase(values: &[Complex64]) -> Vec<f64> {
+pub(super) fn along_common_phase(values: &[Complex64]) -> Vec<f64> {
     let squares: Complex64 = values.iter().map(|value| value * value).sum();
     let back = Complex64::from_polar(1.0, -squares.arg() / 2.0);
     let back = if back.is_finite() { back } else { Complex64::ONE };

@@ -10,6 +10,7 @@
 
 mod causes;
 pub mod electrodes;
+mod expected;
 pub mod findings;
 pub mod gain;
 mod likeness;
@@ -21,6 +22,8 @@ pub mod reciprocity;
 pub mod signal;
 pub mod wiring;
 
+pub use expected::{Expected, GoodFramesError, KnownBy};
+
 use super::{
     diagnose::DEAD,
     order::{Arrangement, OrderError},
@@ -28,13 +31,7 @@ use super::{
     statistics::median,
 };
 use causes::Explained;
-use dermatome_geometry::mesh::Lattice;
-use dermatome_model::{
-    forward::{Admittivity, Fields},
-    model::{ModelError, forward_model, mesh},
-    skin::Skin,
-    stimulation::Repetition,
-};
+use dermatome_model::stimulation::Repetition;
 use dermatome_shared::stimulation::Step;
 use electrodes::ElectrodeCheck;
 use findings::Finding;
@@ -55,69 +52,12 @@ const BLUR: f64 = 3.0;
 /// A voltage of the model whose magnitude, with the blur, is so many times the blur has a certain sign.
 const CLEAR: f64 = 2.0;
 
-/// What a skin should measure: its table, and in-phase voltages between any electrodes.
-#[derive(Clone, Debug)]
-pub struct Expected {
-    /// Stimulation table: `[step]`.
-    pub steps: Vec<Step>,
-    electrodes: u8,
-    /// Potential at one electrode for unit current into another, relative: `[at][driven]`.
-    transfer: Vec<f64>,
-}
-
-impl Expected {
-    /// Solves the untouched skin.
-    pub fn of(skin: &Skin) -> Result<Self, ModelError> {
-        let admittivity = skin.admittivity();
-        if admittivity.im == 0.0 { solve(skin, admittivity.re) } else { solve(skin, admittivity) }
-    }
-
-    /// From transfer impedances `[at][driven]`.
-    #[must_use]
-    pub fn new(steps: Vec<Step>, electrodes: u8, transfer: impl Fn(usize, usize) -> f64) -> Self {
-        let n = usize::from(electrodes);
-        Self { steps, electrodes, transfer: (0..n * n).map(|i| transfer(i / n, i % n)).collect() }
-    }
-
-    /// Number of electrodes.
-    #[must_use]
-    pub fn electrodes(&self) -> u8 {
-        self.electrodes
-    }
-
-    /// Voltage of any step, relative.
-    #[must_use]
-    pub fn voltage(&self, step: Step) -> f64 {
-        let [dp, dm, sp, sm] = step.to_bytes().map(usize::from);
-        let at = |at: usize, driven: usize| self.transfer[at * usize::from(self.electrodes) + driven];
-        (at(sp, dp) - at(sp, dm)) - (at(sm, dp) - at(sm, dm))
-    }
-
-    /// By how much the voltage of a step would change if each of its electrodes lay where its neighbours are, half the
-    /// way between them: the root of the sum of squares.
-    fn slope(&self, step: Step) -> f64 {
-        let n = usize::from(self.electrodes);
-        let at = |at: usize, driven: usize| self.transfer[at * n + driven];
-        let [dp, dm, sp, sm] = step.to_bytes().map(usize::from);
-        let sensed = |e: usize| at(e, dp) - at(e, dm);
-        let driven = |e: usize| at(sp, e) - at(sm, e);
-        let across = |of: &dyn Fn(usize) -> f64, e: usize| (of((e + 1) % n) - of((e + n - 1) % n)) / 2.0;
-        let squares = [across(&sensed, sp), across(&sensed, sm), across(&driven, dp), across(&driven, dm)];
-        squares.iter().map(|change| change * change).sum::<f64>().sqrt()
-    }
-}
-
-fn solve<T: Admittivity>(skin: &Skin, admittivity: T) -> Result<Expected, ModelError> {
-    let mesh = mesh(skin, 1.0, Lattice::default())?;
-    let fields: Fields<T> = forward_model(skin, &mesh)?.solve(&vec![admittivity; mesh.elements.len()])?;
-    let transfer = |at, driven| fields.transfer(at, driven).in_phase();
-    Ok(Expected::new(skin.steps(), skin.electrodes.count, transfer))
-}
-
 /// Everything that was found out about a file. Steps and electrodes count from 0; electrodes are
 /// numbered as the file does.
 #[derive(Clone, Debug, Serialize)]
 pub struct Check {
+    /// What they are compared with.
+    pub compared_with: KnownBy,
     /// Frames in the file.
     pub frames: usize,
     /// Measurements in each.
@@ -128,7 +68,7 @@ pub struct Check {
     pub square: bool,
     /// Whether the square holds potentials of electrodes; all else is about their differences then.
     pub single_ended: bool,
-    /// Correlation of log magnitudes with the model as the file is read, before anything is explained.
+    /// Correlation of log magnitudes with what is expected as the file is read, before anything is explained.
     pub plain_correlation: f64,
     /// Order and electrode numbers.
     pub numbering: Numbering,
@@ -142,7 +82,7 @@ pub struct Check {
     pub gains: Vec<PairGain>,
     /// Each electrode: `[electrode]`.
     pub electrodes: Vec<ElectrodeCheck>,
-    /// Correlation of log magnitudes with the model without the electrodes that are off.
+    /// Correlation of log magnitudes with what is expected without the electrodes that are off.
     pub sound_correlation: f64,
     /// Steps whose mean is zero.
     pub dead_steps: Vec<usize>,
@@ -180,6 +120,7 @@ pub fn check(expected: &Expected, frames: &Frames, used: Arrangement) -> Result<
     let wired: Vec<Step> = expected.steps.iter().map(|&step| last.reading.wiring.step(step)).collect();
     let electrodes = electrodes::check(expected, &readings);
     let mut check = Check {
+        compared_with: expected.known_by(),
         frames: frames.frames,
         measurements: frames.measurements,
         complex: frames.complex,

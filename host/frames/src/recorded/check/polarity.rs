@@ -2,7 +2,8 @@
 
 use super::{
     super::{diagnose::Signs, order::FileIndex},
-    Expected, Readings,
+    Readings,
+    expected::Expected,
 };
 use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;

@@ -54,7 +54,10 @@ impl Agreement {
 }
 
 fn error(readings: &Readings, step: usize, other: usize) -> f64 {
-    let (a, b) = (readings.measured[step], readings.measured[other]);
+    let should = (readings.model[step] / readings.model[other]).abs();
+    // A model's agree; good frames' need not.
+    let should = if should > 0.0 && should.is_finite() { should } else { 1.0 };
+    let (a, b) = (readings.measured[step], readings.measured[other] * should);
     let difference = (a - b).norm().min((a + b).norm());
     let blur = readings.blur[step].min(readings.blur[other]);
     let mean = ((a.norm() + b.norm()) / 2.0).hypot(blur);
