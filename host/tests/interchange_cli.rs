@@ -111,6 +111,36 @@ fn check_data_says_what_is_wrong_and_fails_only_if_told_to() {
     assert_eq!(refused, "error: `dead.csv` has faults: 1\n");
 }
 
+/// A skin that no model fits: frames from when all was well stand in for it.
+#[test]
+fn check_data_compares_with_good_frames() {
+    let desk = Desk::empty();
+    desk.write("skin.toml", TINY);
+    let unlike = |at: usize| [1.0, 3.0, 0.4, 1.7, 0.7, 2.2, 0.3][at * at % 7];
+    let good: Vec<f64> = tiny_voltages().iter().enumerate().map(|(at, v)| v * unlike(at)).collect();
+    let mut dead = good.clone();
+    dead[7] = 0.0;
+    desk.write("good.csv", row(&good));
+    desk.write("dead.csv", row(&dead));
+    desk.write("zero.csv", row(&vec![0.0; good.len()]));
+    desk.write("length.csv", "1\n2\n");
+    let check = |file: &str, good: &[&str]| {
+        desk.run(&[&["check-data", "skin.toml", file, "--strict"], good].concat())
+    };
+    assert!(!check("good.csv", &[]).refused().is_empty());
+    let same = check("good.csv", &["--good", "good.csv"]).success();
+    assert!(same.out.contains("correlation with the good frames 1.000"), "{}", same.out);
+    assert!(same.out.ends_with("nothing looks wrong\n"), "{}", same.out);
+    assert_eq!(check("dead.csv", &["--good", "good.csv"]).refused(), "error: `dead.csv` has faults: 1\n");
+    let refused = |file: &str| check("good.csv", &["--good", file]).refused();
+    assert_eq!(
+        refused("zero.csv"),
+        "error: --good `zero.csv`: the good frames are zero, or nearly, on average\n"
+    );
+    assert!(refused("length.csv").starts_with("error: --good `length.csv`: frames hold "));
+    assert!(refused("missing.csv").contains("`missing.csv`"));
+}
+
 #[test]
 fn errors_of_export_forward_and_check_data() {
     let desk = Desk::empty();

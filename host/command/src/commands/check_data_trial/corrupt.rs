@@ -253,9 +253,6 @@ impl<'a> Whole<'a> {
         let square = frames.measurements == n * n;
         let gain = gain(&frames.mean(), &map.iter().map(|place| place.index).collect::<Vec<_>>(), &model);
         let of_frame = |frame: &[Complex64]| -> Vec<Complex64> {
-            if square {
-                return frame.to_vec();
-            }
             let mut whole: Vec<Complex64> =
                 (0..n * n).map(|place| gain * expected.voltage(cyclic.step(place / n, place % n))).collect();
             for ((step, place), m) in expected.steps.iter().zip(&map).zip(&model) {

@@ -29,6 +29,8 @@ const LEAVES_THERE: f64 = 0.5;
 /// and so much less in each of them on average, and over all steps.
 const LESS_THERE: f64 = 0.06;
 const LESS_WITH_SOME: f64 = 0.002;
+/// Steps that it must touch whose voltages are known; they must be explained too.
+const LEAST_KNOWN: usize = 4;
 /// What is left may differ by so much, and by this share, between explanations that are as good as each other.
 const TIE: f64 = 0.004;
 const TIE_SHARE: f64 = 0.03;
@@ -185,9 +187,16 @@ fn explains_some(
             || last.reading.wiring.step(expected.steps[*step]) != reading.wiring.step(expected.steps[*step])
     };
     let touched: Vec<usize> = (0..expected.steps.len()).filter(touched).collect();
-    let middle = |likeness: &Likeness| median(touched.iter().map(|&step| likeness.residuals[step].abs()));
     let share = touched.len() as f64 / expected.steps.len() as f64;
-    less > LESS_THERE * share && middle(likeness) < LEAVES_THERE * middle(&last.likeness)
+    // Not to know a voltage explains nothing.
+    let known = touched.iter().filter(|&&step| likeness.knows(step, &last.likeness));
+    let known: Vec<usize> = known.copied().collect();
+    let middle = |likeness: &Likeness, steps: &[usize]| {
+        median(steps.iter().map(|&step| likeness.residuals[step].abs()))
+    };
+    let before = middle(&last.likeness, &touched);
+    let explains = |steps: &[usize]| middle(likeness, steps) < LEAVES_THERE * before;
+    less > LESS_THERE * share && explains(&touched) && known.len() >= LEAST_KNOWN && explains(&known)
 }
 
 fn candidates(comparison: &Comparison<'_>, last: &Explained) -> Vec<Candidate> {

@@ -10,6 +10,7 @@ use super::{
         read::Frames,
         statistics::median,
     },
+    Reference,
     likeness::along_common_phase,
 };
 use dermatome_geometry::mesh::Lattice;
@@ -80,8 +81,9 @@ pub struct Expected {
 /// What frames say of the voltages.
 #[derive(Clone, Debug)]
 struct Seen {
-    /// Those that were measured, by the electrodes of their step: an instrument may do more than a body does.
-    voltages: HashMap<[u8; 4], f64>,
+    /// Those that were measured, with what noise may have added, by the electrodes of their step: an instrument may do
+    /// more than a body does.
+    voltages: HashMap<[u8; 4], (f64, f64)>,
     /// Covariance of the transfer impedances' errors: `[at][driven][at][driven]`.
     covariance: Mat<f64>,
 }
@@ -104,7 +106,8 @@ impl Expected {
     /// As frames from when all was well say, read as `used`; where they say nothing, as before.
     pub fn measured(self, good: &Frames, used: Arrangement) -> Result<Self, GoodFramesError> {
         let map = used.index_map(&self.steps, self.electrodes, good.measurements)?;
-        let mean = good.mean();
+        let reference = Reference::of(good);
+        let mean = &reference.values;
         let read = |place: &FileIndex| mean[place.index] * if place.flipped { -1.0 } else { 1.0 };
         let mut measured = along_common_phase(&map.iter().map(read).collect::<Vec<_>>());
         let model: Vec<f64> = self.steps.iter().map(|&step| self.voltage(step)).collect();
@@ -120,7 +123,9 @@ impl Expected {
         measured.iter_mut().for_each(|value| *value /= gain);
         let errors: Vec<f64> = measured.iter().zip(&model).map(|(value, m)| value - m).collect();
         let (transfer, covariance) = self.given(&errors);
-        let voltages = self.steps.iter().map(|step| step.to_bytes()).zip(measured).collect();
+        let blur = map.iter().map(|place| reference.blur * reference.noise[place.index] / gain.abs());
+        let steps = self.steps.iter().map(|step| step.to_bytes());
+        let voltages = steps.zip(measured.into_iter().zip(blur)).collect();
         Ok(Self { transfer, seen: Some(Seen { voltages, covariance }), ..self })
     }
 
@@ -167,7 +172,7 @@ impl Expected {
     /// Voltage of any step, relative.
     #[must_use]
     pub fn voltage(&self, step: Step) -> f64 {
-        if let Some(voltage) = self.seen(step) {
+        if let Some((voltage, _)) = self.seen(step) {
             return voltage;
         }
         let [dp, dm, sp, sm] = step.to_bytes().map(usize::from);
@@ -175,8 +180,8 @@ impl Expected {
         (at(sp, dp) - at(sp, dm)) - (at(sm, dp) - at(sm, dm))
     }
 
-    /// What frames say of a step, or of its pairs the other way round.
-    fn seen(&self, step: Step) -> Option<f64> {
+    /// What frames say of a step, or of its pairs the other way round, and what noise may have added.
+    fn seen(&self, step: Step) -> Option<(f64, f64)> {
         let voltages = &self.seen.as_ref()?.voltages;
         let [dp, dm, sp, sm] = step.to_bytes();
         let ways = [
@@ -185,14 +190,14 @@ impl Expected {
             ([dm, dp, sp, sm], -1.0),
             ([dm, dp, sm, sp], 1.0),
         ];
-        ways.iter().find_map(|(way, sign)| voltages.get(way).map(|voltage| sign * voltage))
+        ways.iter().find_map(|(way, sign)| voltages.get(way).map(|(voltage, blur)| (sign * voltage, *blur)))
     }
 
     /// What is not known of the voltage of a step, relative: a standard deviation.
     pub(super) fn error(&self, step: Step) -> f64 {
         let voltage = self.voltage(step);
-        if self.seen(step).is_some() {
-            return CHANGE * voltage.abs();
+        if let Some((_, blur)) = self.seen(step) {
+            return (CHANGE * voltage).hypot(blur);
         }
         let contact = if step.senses_driven() { CONTACT_ERROR * voltage } else { 0.0 };
         let Some(Seen { covariance, .. }) = &self.seen else {
@@ -247,4 +252,101 @@ fn solve<T: Admittivity>(skin: &Skin, admittivity: T) -> Result<Expected, ModelE
     let fields: Fields<T> = forward_model(skin, &mesh)?.solve(&vec![admittivity; mesh.elements.len()])?;
     let transfer = |at, driven| fields.transfer(at, driven).in_phase();
     Ok(Expected::new(skin.steps(), skin.electrodes.count, transfer))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recorded::check::{
+        check,
+        findings::Level,
+        wiring::{Exchange, Role, Wiring},
+    };
+    use dermatome_shared::stimulation::{Driven, pattern};
+    use num_complex::Complex64;
+    use rand::{Rng, SeedableRng};
+    use rand_pcg::Pcg64;
+
+    const PLAIN: Arrangement =
+        Arrangement { sense: crate::recorded::order::SenseOrder::Absolute, rotation: 0, mirrored: false };
+
+    /// A disc whose impedances from electrode to electrode differ by so much from those of an even one.
+    fn disc(unlike: f64) -> Expected {
+        let mut random = Pcg64::seed_from_u64(5);
+        let factors: Vec<f64> = (0..256).map(|_| 1.0 + unlike * random.random_range(-1.0..1.0)).collect();
+        let factor = |a: usize, b: usize| factors[a.min(b) * 16 + a.max(b)];
+        Expected::new(pattern(16, 1, 1, Driven::Skipped).collect(), 16, |at, driven| {
+            let around = (at as f64 - driven as f64) * std::f64::consts::PI / 16.0;
+            factor(at, driven) * if at == driven { 1.4 } else { -around.sin().abs().ln() }
+        })
+    }
+
+    /// Frames of an instrument whose values each hold an eighth of the one before, and a constant of their channel.
+    fn frames(body: &Expected, wiring: &Wiring, seed: u64) -> Frames {
+        let mut random = Pcg64::seed_from_u64(seed);
+        let mut values = Vec::new();
+        for _ in 0..20 {
+            let mut last = 0.0;
+            for &step in &body.steps {
+                let voltage = body.voltage(wiring.step(step));
+                let constant = 0.02 * f64::from(step.sense_plus % 5);
+                let noise = 1.0 + 0.002 * random.random_range(-1.0..1.0);
+                values.push(Complex64::from((voltage + last / 8.0 + constant) * noise));
+                last = voltage;
+            }
+        }
+        Frames { measurements: body.steps.len(), frames: 20, complex: false, values }
+    }
+
+    fn faults(expected: &Expected, frames: &Frames) -> Vec<String> {
+        let check = check(expected, frames, PLAIN).unwrap();
+        let faults = check.findings.into_iter().filter(|it| it.level == Level::Fault);
+        faults.map(|it| it.found).collect()
+    }
+
+    #[test]
+    fn what_was_measured_is_expected_and_other_pairs_follow_from_it() {
+        let (model, body) = (disc(0.0), disc(0.1));
+        let steps = body.steps.clone();
+        let values = steps.iter().map(|&step| Complex64::from(-7.0 * body.voltage(step))).collect();
+        let good = Frames { measurements: steps.len(), frames: 1, complex: false, values };
+        let measured = model.clone().measured(&good, PLAIN).unwrap();
+        assert_eq!((model.known_by(), measured.known_by()), (KnownBy::Model, KnownBy::GoodFrames));
+        let scale = measured.voltage(steps[40]) / body.voltage(steps[40]);
+        for &step in &steps {
+            assert!((measured.voltage(step) - scale * body.voltage(step)).abs() < 1e-9);
+            let turned = Step { sense_plus: step.sense_minus, sense_minus: step.sense_plus, ..step };
+            assert_eq!(measured.voltage(turned), -measured.voltage(step));
+        }
+        // Drive 0-1 never sensed 5-8, but 5-6, 6-7 and 7-8; 0-5 it never sensed at all, and the error says so.
+        let sum = Step { drive_plus: 1, drive_minus: 0, sense_plus: 5, sense_minus: 8 };
+        let contact = Step { sense_plus: 0, sense_minus: 5, ..sum };
+        let size = (scale * body.voltage(sum)).abs();
+        assert!((measured.voltage(sum) - scale * body.voltage(sum)).abs() < measured.error(sum));
+        assert!(measured.error(sum) < 0.3 * size);
+        assert!(measured.error(contact) > 0.5 * (scale * body.voltage(contact)).abs());
+    }
+
+    #[test]
+    fn good_frames_tell_what_changed_on_an_instrument_that_no_model_fits() {
+        let (model, body) = (disc(0.0), disc(0.3));
+        let as_wired = Wiring::new(PLAIN, 16);
+        let good = frames(&body, &as_wired, 1);
+        assert!(!faults(&model, &good).is_empty());
+        let expected = model.measured(&good, PLAIN).unwrap();
+        assert_eq!(faults(&expected, &frames(&body, &as_wired, 2)), Vec::<String>::new());
+        for role in [Role::Both, Role::Drive, Role::Sense] {
+            let exchange = Exchange { electrodes: [3, 9], role };
+            let check = check(&expected, &frames(&body, &as_wired.with(exchange), 3), PLAIN).unwrap();
+            assert_eq!(check.numbering.exchanged, [exchange]);
+        }
+    }
+
+    #[test]
+    fn good_frames_of_nothing_are_refused() {
+        let model = disc(0.0);
+        let values = vec![Complex64::ZERO; model.steps.len()];
+        let good = Frames { measurements: model.steps.len(), frames: 1, complex: false, values };
+        assert!(matches!(model.measured(&good, PLAIN), Err(GoodFramesError::Zero)));
+    }
 }

@@ -388,6 +388,11 @@ fn dead(check: &Check) -> Option<Finding> {
 
 fn agreement(check: &Check) -> Vec<Finding> {
     let mut findings = Vec::new();
+    // What must agree on a body has been compared step by step with what this instrument made of it.
+    let told = match check.compared_with {
+        KnownBy::Model => fault,
+        KnownBy::GoodFrames => note,
+    };
     if let Some(reversal) = check.reversal.as_ref().filter(|it| it.median_percent > DISAGREEMENT_PERCENT) {
         let found = format!(
             "the same pairs the other way round differ by {:.0} % (median of {} pairs of steps): the values are \
@@ -397,7 +402,7 @@ fn agreement(check: &Check) -> Vec<Finding> {
         );
         let advice =
             "check common-mode rejection, leakage, and that the sense pair is what the skin file says";
-        findings.push(fault(About::Reversal, found, advice));
+        findings.push(told(About::Reversal, found, advice));
     }
     let Some(reciprocity) = &check.reciprocity else { return findings };
     if reciprocity.median_percent > DISAGREEMENT_PERCENT {
@@ -407,7 +412,7 @@ fn agreement(check: &Check) -> Vec<Finding> {
             reciprocity.pairs.len()
         );
         let advice = "check the order of the steps, gain and settling of each channel, and contacts";
-        findings.push(fault(About::Reciprocity, found, advice));
+        findings.push(told(About::Reciprocity, found, advice));
     }
     findings.extend(outstanding(reciprocity));
     findings

@@ -33,6 +33,9 @@ const OFFSET_ERROR: f64 = 0.03;
 const BIAS: f64 = 0.4;
 /// No step counts for more.
 const MOST: f64 = 2.0;
+/// Times another reading's error from which on a step is known much less; and the share of its size to which it is known.
+const MUCH_LESS_KNOWN: f64 = 2.0;
+const KNOWN: f64 = 0.5;
 /// Steps that a class needs.
 const LEAST_CLASS: usize = 6;
 
@@ -65,6 +68,11 @@ impl Likeness {
     /// hide it.
     pub(super) fn disorder(&self) -> f64 {
         self.scatter + BIAS * self.bias
+    }
+
+    /// Whether a step's voltage is known: to half its size, or nearly as well as in another reading.
+    pub(super) fn knows(&self, step: usize, other: &Self) -> bool {
+        self.unknown[step] <= (MUCH_LESS_KNOWN * other.unknown[step]).max(KNOWN * self.model[step].abs())
     }
 
     /// Correlation of log magnitudes, where one below what the model does not know counts as about that; a value that is
@@ -137,10 +145,13 @@ impl<'a> Comparison<'a> {
             bias += middle.abs() * class.len() as f64;
             class.iter().for_each(|&step| residuals[step] -= middle);
         }
-        let count = residuals.len().max(1) as f64;
-        let scatter = residuals.iter().map(|e| e.abs().min(MOST)).sum::<f64>() / count;
-        Ok(Likeness { residuals, scatter, bias: bias / count, measured, gain, model, unknown })
+        let bias = bias / residuals.len().max(1) as f64;
+        Ok(Likeness { scatter: scatter(&residuals), residuals, bias, measured, gain, model, unknown })
     }
+}
+
+fn scatter(residuals: &[f64]) -> f64 {
+    residuals.iter().map(|e| e.abs().min(MOST)).sum::<f64>() / residuals.len().max(1) as f64
 }
 
 /// Magnitudes with the sign that values have along their common phase, half the angle of the sum of squares.

@@ -7,6 +7,7 @@ use crate::recorded::{
     diagnose::TIE,
     order::SenseOrder,
 };
+use dermatome_model::skin::Skin;
 use dermatome_shared::stimulation::{Driven, pattern};
 use proptest::prelude::*;
 use rand::{Rng, SeedableRng};
