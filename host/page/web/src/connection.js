@@ -2,6 +2,7 @@
 // comes back by itself with growing pauses when the program goes away.
 
 import { SUBPROTOCOL, readBinary, serviceRequest } from "./foxglove.js";
+import { SINGLE, WHOLE, nameHere, nameIn, singly, tellOfRobot } from "./spaces.js";
 
 const PAUSES_MS = [250, 500, 1000, 2000, 4000, 5000];
 // Status comes twice a second. Silence is mentioned, then taken for a dead connection (a machine that slept).
@@ -10,13 +11,6 @@ const DEAD_MS = 15000;
 const CALL_MS = { "/dermatome/check": 120000, "/dermatome/calibrate": 120000, "/dermatome/patch": 60000 };
 const USUAL_CALL_MS = 15000;
 const SKIN_SCHEMA = "dermatome_msgs/msg/Skin";
-// Topics and services are named after the space of their skin; the page knows those of a single skin.
-const SINGLE = "/dermatome/";
-// Topics of a whole robot, and of each of its skins, that are looked at where all of it is.
-const ROBOT_TOPICS = ["/links", "/tf", "/tf_static"];
-const ROBOT_SKIN_TOPICS = ["/skin", "/image", "/contacts", "/status"];
-/** Stands for all skins of a robot, in place of one's space. */
-export const WHOLE = "*";
 
 export class Connection {
   /** `on.message(topic, schema, bytes, logTime)`, `on.session()` where all is new, `on.change()` of what is below. */
@@ -52,7 +46,7 @@ export class Connection {
 
   /** Whether the program tells of a whole robot. */
   get hasRobot() {
-    return [...this.channels.values()].some(({ topic }) => topic === ROBOT_TOPICS[0]);
+    return tellOfRobot([...this.channels.values()]);
   }
 
   /** The space that is looked at: the chosen one, or all of the robot, or the first. */
@@ -62,15 +56,13 @@ export class Connection {
     return hasRobot ? WHOLE : spaces[0];
   }
 
-  /** What a topic is called here: as that of a single skin, or, where all of the robot is looked at, by its channel. */
-  nameHere({ id, topic }) {
-    if (this.space !== WHOLE) return this.singly(topic);
-    const ofSkin = this.spaces.some((space) => ROBOT_SKIN_TOPICS.some((end) => topic === `/${space}${end}`));
-    return ofSkin || ROBOT_TOPICS.includes(topic) ? `${id}${topic}` : undefined;
+  /** What a channel's topic is called here. */
+  nameHere(channel) {
+    return nameHere(channel, this.space, this.spaces);
   }
 
   isWanted(channel) {
-    if (this.space !== WHOLE) return this.wanted.has(this.singly(channel.topic));
+    if (this.space !== WHOLE) return this.wanted.has(this.nameHere(channel));
     // While a recording is shown only status is followed.
     const isFollowed = this.wanted.has(`${SINGLE}skin`) || channel.topic.endsWith("/status");
     return isFollowed && this.nameHere(channel) !== undefined;
@@ -85,15 +77,9 @@ export class Connection {
     this.on.change();
   }
 
-  /** A topic's or service's name as that of a single skin; `undefined` where it is another skin's. */
-  singly(name) {
-    const start = `/${this.space}/`;
-    return name.startsWith(start) ? SINGLE + name.slice(start.length) : undefined;
-  }
-
   /** Services of the skin that is looked at. */
   get offered() {
-    return [...this.services.keys()].map((name) => this.singly(name)).filter(Boolean);
+    return [...this.services.keys()].map((name) => singly(name, this.space)).filter(Boolean);
   }
 
   want(topic, isWanted) {
@@ -105,7 +91,7 @@ export class Connection {
 
   /** What the service answers; rejects with words. */
   call(service, request) {
-    const id = this.services.get(service.replace(SINGLE, `/${this.space}/`));
+    const id = this.services.get(nameIn(this.space, service));
     if (id === undefined) return Promise.reject(new Error(this.whyNot()));
     const callId = this.nextCall++;
     const answer = new Promise((resolve, reject) => {

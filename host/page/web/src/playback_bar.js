@@ -71,15 +71,17 @@ export class PlaybackBar {
     setText(byId("time"), `${clock(player.seconds)} / ${clock(recording.duration)}`);
   }
 
-  // How strongly the skin was pressed over the whole recording, behind the slider.
+  // How strongly the skin, or of a robot's the one that was pressed most, was pressed over the whole recording, behind the
+  // slider.
   drawOverview() {
     const canvas = byId("overview");
     const { player, recorded } = this.session;
     if (!player || canvas.clientWidth === 0) return;
     canvas.width = canvas.clientWidth * devicePixelRatio;
     canvas.height = canvas.clientHeight * devicePixelRatio;
-    const { times, values } = recorded.history.of("strength");
-    const columns = extremes(times, values, Number(player.recording.start) / 1e9, player.recording.duration, canvas.width);
+    const { start, duration } = player.recording;
+    const ofSkins = recorded.strengths.map((strength) => extremes(strength, Number(start) / 1e9, duration, canvas.width));
+    const columns = ofSkins.reduce((a, b) => a.map((load, x) => Math.max(load, b[x])), new Float32Array(canvas.width));
     const greatest = Math.max(...columns) || 1;
     const context = canvas.getContext("2d");
     context.fillStyle = colour("--overview");
@@ -88,7 +90,7 @@ export class PlaybackBar {
 }
 
 // The greatest value in each of `count` columns; one without a value repeats the one before it, up to the last value.
-function extremes(times, values, start, duration, count) {
+function extremes({ times, values }, start, duration, count) {
   const columns = new Float32Array(count).fill(-1);
   const columnOf = (time) => Math.max(0, Math.min(count - 1, Math.floor(((time - start) / duration) * count)));
   times.forEach((time, i) => (columns[columnOf(time)] = Math.max(columns[columnOf(time)], values[i] ?? 0)));

@@ -1,14 +1,14 @@
 // Plays a recording: a position that moves with the clock while it plays, and the messages at that position, which go the
 // same way as those of a live skin. A seek during a seek replaces it; none pile up.
 
-import { TOPIC } from "./messages.js";
-
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
-const TOPICS = [TOPIC.skin, TOPIC.status, TOPIC.image, TOPIC.contacts, TOPIC.health, TOPIC.scope];
 const TICK_MS = 16;
 
 export class Player {
-  /** `on.message(topic, schema, bytes, logTime)`, `on.change()` of position, speed or play, `on.error(error)`. */
+  /**
+   * `on.message(topic, schema, bytes, logTime)`, with the topic alone where the position is before its first message;
+   * `on.change()` of position, speed or play, `on.error(error)`.
+   */
   constructor(recording, on) {
     this.recording = recording;
     this.on = on;
@@ -21,7 +21,7 @@ export class Player {
     this.showFirst();
   }
 
-  // A recording begins with the frames of a tare, which have no images: what is there first is what is looked for.
+  // A skin of a robot may come later than others: what is there first is what is looked for.
   async showFirst() {
     await this.seek(this.recording.start);
     const isUntouched = this.position === this.recording.start && !this.isPlaying && !this.isClosed;
@@ -110,12 +110,21 @@ export class Player {
   async showWanted() {
     const time = this.wanted;
     this.wanted = undefined;
-    const messages = await this.recording.at(time, TOPICS);
+    const messages = await this.recording.at(time);
     if (this.isClosed) return;
+    this.forgetOthers(new Set(messages.map(({ topic }) => topic)));
     for (const message of messages) {
       if (this.shown.get(message.topic) === message) continue;
       this.shown.set(message.topic, message);
       this.on.message(message.topic, message.schema, message.bytes, message.logTime);
+    }
+  }
+
+  // What comes only after the position is not shown there.
+  forgetOthers(topics) {
+    for (const topic of [...this.shown.keys()].filter((topic) => !topics.has(topic))) {
+      this.shown.delete(topic);
+      this.on.message(topic);
     }
   }
 }

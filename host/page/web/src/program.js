@@ -3,7 +3,7 @@
 
 import source from "worker:program_worker.js";
 
-import { WHOLE } from "./connection.js";
+import { WHOLE } from "./spaces.js";
 
 export class Program {
   /** `on.message(topic, schema, bytes, logTime)`, `on.session()` where all is new, `on.change()` of what is below. */

@@ -1,7 +1,9 @@
-// The history of a whole recording, read in the background, in steps between which the page draws.
+// The history of a whole recording, of each skin that is looked at, read in the background, in steps between which the
+// page draws.
 
 import { History } from "./history.js";
-import { TOPIC, decode } from "./messages.js";
+import { decode } from "./messages.js";
+import { SINGLE } from "./spaces.js";
 
 const STEP_MS = 12;
 
@@ -10,9 +12,25 @@ export class RecordedHistory {
   constructor(recording, onMore) {
     this.recording = recording;
     this.onMore = onMore;
-    this.history = new History(Infinity);
+    /** By what their topics begin with. */
+    this.histories = new Map();
     this.isClosed = false;
     this.read();
+  }
+
+  /** Of the one skin that is looked at; empty where all of a robot is. */
+  get history() {
+    return this.of(SINGLE);
+  }
+
+  /** How strongly each skin was pressed: `{ times, values }`. */
+  get strengths() {
+    return [...this.histories.values()].map((history) => history.of("strength"));
+  }
+
+  of(start) {
+    if (!this.histories.has(start)) this.histories.set(start, new History(Infinity));
+    return this.histories.get(start);
   }
 
   close() {
@@ -22,7 +40,8 @@ export class RecordedHistory {
   // A recording that is damaged further on is shown up to there; the player says why.
   async read() {
     try {
-      for await (const messages of this.recording.walk([TOPIC.contacts, TOPIC.status])) await this.addAll(messages);
+      const topics = this.recording.topics.filter((topic) => /\/(contacts|status)$/.test(topic));
+      for await (const messages of this.recording.walk(topics)) await this.addAll(messages);
     } catch (error) {
       console.warn("the history of the recording is not complete:", error.message);
     }
@@ -44,7 +63,8 @@ export class RecordedHistory {
   add({ topic, schema, bytes, logTime }) {
     const time = Number(logTime) / 1e9;
     const message = decode(schema, bytes);
-    if (topic === TOPIC.contacts) this.history.addContacts(time, message.contacts);
-    else this.history.addStatus(time, message);
+    const history = this.of(topic.slice(0, topic.lastIndexOf("/") + 1));
+    if (topic.endsWith("/contacts")) history.addContacts(time, message.contacts);
+    else history.addStatus(time, message);
   }
 }

@@ -5,9 +5,10 @@ import { McapIndexedReader, McapRecordBuilder, McapStreamReader } from "@mcap/co
 
 import { decompressFrame } from "./lz4.js";
 import { TOPIC } from "./messages.js";
+import { WHOLE, nameHere, tellOfRobot } from "./spaces.js";
 
-// Topics of one of several skins are named after its space; the page knows those of a single skin.
-const SINGLE = "/dermatome/";
+// What holds for good: a skin's shape, where skins and links lie, and what links look like.
+const LASTING = /(\/skin|\/links|\/tf_static)$/;
 const SHOWN = { "dermatome_msgs/msg/Image": "/image", "dermatome_msgs/msg/ContactArray": "/contacts" };
 
 const MAGIC = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
@@ -28,19 +29,22 @@ const decompressHandlers = {
 export async function openRecording(blob, name, onProgress = () => {}) {
   await checkMagic(blob);
   const index = (await readIndex(blob)) ?? (await makeIndex(blob, onProgress));
-  const recording = new Recording(blob, name, index);
-  recording.check();
-  return recording;
+  const whole = new Recording(blob, name, index, WHOLE);
+  whole.check();
+  index.start = await whole.firstFrame();
+  return whole.hasRobot ? whole : whole.of(whole.spaces[0]);
 }
 
 class Recording {
-  // Chunks: `[{ offset, length, start, end, channelIds }]` by time, times in ns. All is of the skin in `space`.
-  constructor(blob, name, index, space = spacesOf(index)[0]) {
+  // Chunks: `[{ offset, length, start, end, channelIds }]` by time, times in ns. All is of the skin in `space`, or of all.
+  constructor(blob, name, index, space) {
     const { chunks, schemas, channels, isCut } = index;
     Object.assign(this, { blob, name, index, space, chunks, schemas, isCut });
     this.chunks.sort((a, b) => Number(a.start - b.start));
-    this.channels = new Map([...channels].flatMap(([id, channel]) => ofSpace(channel, space).map((named) => [id, named])));
+    const named = [...channels].map(([id, channel]) => [id, { ...channel, topic: nameHere(channel, space, this.spaces) }]);
+    this.channels = new Map(named.filter(([, { topic }]) => topic !== undefined));
     this.held = new Map();
+    this.heldLasting = new Map();
   }
 
   /** Spaces of the skins that are in the file. */
@@ -48,17 +52,39 @@ class Recording {
     return spacesOf(this.index);
   }
 
-  /** The same file, of another of its skins. */
+  /** Whether the file tells of a whole robot. */
+  get hasRobot() {
+    return tellOfRobot([...this.index.channels.values()]);
+  }
+
+  /** Whether all skins of a robot are looked at. */
+  get isWhole() {
+    return this.space === WHOLE;
+  }
+
+  /** What is looked at. */
+  get topics() {
+    return this.isWhole ? [...this.channels.values()].map(({ topic }) => topic) : Object.values(TOPIC);
+  }
+
+  /** The same file, of another of its skins, or of all. */
   of(space) {
     return new Recording(this.blob, this.name, this.index, space);
   }
 
+  /** The time of the first frame of any skin: before it links are told, and references are made. */
   get start() {
-    return this.chunks[0].start;
+    return this.index.start;
   }
 
   get end() {
     return this.chunks.reduce((end, chunk) => (chunk.end > end ? chunk.end : end), this.start);
+  }
+
+  // A chunk that is damaged is told of where it is looked at.
+  async firstFrame() {
+    const { start } = this.chunks[0];
+    return (await this.neighbour(start - 1n, true).catch(() => undefined)) ?? start;
   }
 
   /** Length in seconds. */
@@ -70,32 +96,56 @@ class Recording {
     if (this.chunks.length === 0) {
       throw new Error("The recording is empty: it was cut before its first chunk was written, or nothing was recorded.");
     }
-    if (this.space === undefined) {
+    if (this.spaces.length === 0) {
       throw new Error("The file holds no images or contacts of a skin (no topic /dermatome/image): another program wrote it.");
     }
   }
 
   /** The last message of each of `topics` at `time`, as `{ topic, schema, bytes, logTime }`. */
-  async at(time, topics) {
+  async at(time, topics = this.topics) {
     const found = await Promise.all(topics.map((topic) => this.lastOf(topic, time)));
     return found.filter((message) => message !== undefined);
   }
 
-  // A skin that is described only later is still the one on which earlier images lie.
   async lastOf(topic, time) {
-    const chunks = this.chunksOf(topic);
-    for (const chunk of chunks.filter(({ start }) => start <= time).reverse()) {
+    if (LASTING.test(topic)) return this.lastingOf(topic, time);
+    for (const chunk of this.chunksOf(topic).filter(({ start }) => start <= time).reverse()) {
       const messages = (await this.messagesOf(chunk)).get(topic) ?? [];
       const message = messages.findLast(({ logTime }) => logTime <= time);
       if (message) return message;
     }
-    if (topic !== TOPIC.skin || chunks.length === 0) return undefined;
-    return (await this.messagesOf(chunks[0])).get(topic)?.[0];
+    return undefined;
   }
 
-  /** The time of the frame after `time`, or before it; `undefined` at the end. */
+  // What lasts is said once or twice, far from what is looked at, so it is held by itself. A skin that is described only
+  // later is still the one on which earlier images lie.
+  async lastingOf(topic, time) {
+    if (!this.heldLasting.has(topic)) this.heldLasting.set(topic, this.allOf(topic));
+    const messages = await this.heldLasting.get(topic);
+    return messages.findLast(({ logTime }) => logTime <= time) ?? messages[0];
+  }
+
+  async allOf(topic) {
+    const all = [];
+    for (const chunk of this.chunksOf(topic)) all.push(...((await this.messagesOf(chunk)).get(topic) ?? []));
+    return all;
+  }
+
+  /** The time of the frame of any skin after `time`, or before it; `undefined` at the end. */
   async neighbour(time, isForward) {
-    const topic = this.chunksOf(TOPIC.image).length > 0 ? TOPIC.image : TOPIC.contacts;
+    const times = await Promise.all(this.frameTopics.map((topic) => this.neighbourOf(topic, time, isForward)));
+    const found = times.filter((time) => time !== undefined).sort((a, b) => Number(a - b));
+    return found.at(isForward ? 0 : -1);
+  }
+
+  // Where no images were recorded, frames are their contacts.
+  get frameTopics() {
+    const recorded = (end) => this.topics.filter((topic) => topic.endsWith(end) && this.chunksOf(topic).length > 0);
+    const images = recorded("/image");
+    return images.length > 0 ? images : recorded("/contacts");
+  }
+
+  async neighbourOf(topic, time, isForward) {
     const chunks = this.chunksOf(topic).filter(({ start, end }) => (isForward ? end > time : start < time));
     for (const chunk of isForward ? chunks : chunks.reverse()) {
       const messages = (await this.messagesOf(chunk)).get(topic) ?? [];
@@ -169,12 +219,6 @@ function spacesOf({ channels, schemas }) {
     return end && topic.endsWith(end) ? [topic.slice(1, -end.length)] : [];
   });
   return [...new Set(shown)];
-}
-
-// A channel of the skin in `space`, named as that of a single skin; none where it is of another skin, or of all.
-function ofSpace(channel, space) {
-  const start = `/${space}/`;
-  return channel.topic.startsWith(start) ? [{ ...channel, topic: SINGLE + channel.topic.slice(start.length) }] : [];
 }
 
 async function checkMagic(blob) {

@@ -2,6 +2,7 @@
 
 import { Matrix4, Quaternion, Vector3 } from "three";
 
+const JOINT_TOPICS = ["/tf", "/tf_static"];
 // More frames than that one under the other go in a circle.
 const DEEPEST = 1000;
 
@@ -21,10 +22,10 @@ export class Robot {
     this.news = new Set();
   }
 
-  /** Takes a message of a topic. */
+  /** Takes a message of a topic; none where nothing is known of it any more. */
   take(topic, message) {
-    if (topic === "/links") this.setLinks(message.markers);
-    else if (message.transforms) this.setJoints(message.transforms);
+    if (topic === "/links") this.setLinks(message?.markers ?? []);
+    else if (JOINT_TOPICS.includes(topic)) this.setJoints(message?.transforms ?? []);
     else this.setOfSkin(topic, message);
   }
 

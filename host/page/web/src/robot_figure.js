@@ -25,7 +25,7 @@ export class RobotFigure {
     if (news.has("links")) this.setLinks(robot.links);
     for (const [space, { skin, image }] of robot.skins) {
       if (skin && news.has(`skin ${space}`)) this.setSkin(space, skin);
-      if (image && (news.has(`image ${space}`) || news.has(`skin ${space}`))) this.setImage(space, image);
+      if (news.has(`image ${space}`) || news.has(`skin ${space}`)) this.setImage(space, image);
     }
     for (const { frame, object } of this.parts) place(object, robot.place(frame));
     const hasNewParts = news.has("links") || [...news].some((name) => name.startsWith("skin "));
@@ -65,7 +65,7 @@ export class RobotFigure {
   setImage(space, image) {
     const skin = this.skins.get(space);
     if (!skin) return;
-    skin.values = pixelValues(image, skin.values);
+    skin.values = image && pixelValues(image, skin.values);
     skin.surface.show(skin.values);
   }
 

@@ -77,9 +77,14 @@ export class Session {
     return isLive && !document.hidden && performance.now() - this.imageCame > STALE_MS;
   }
 
+  /** Where all that is shown comes from: the recording, or the program. */
+  get source() {
+    return this.player?.recording ?? this.program;
+  }
+
   /** Whether all skins of a robot are shown at once. */
   get isWhole() {
-    return this.program.isWhole && !this.player;
+    return this.source.isWhole;
   }
 
   wantScope(isWanted) {
@@ -102,7 +107,7 @@ export class Session {
     this.changed("player");
   }
 
-  /** Another skin of the recording that is shown, at the same time. */
+  /** Another skin of the recording that is shown, or all of its robot, at the same time. */
   chooseRecorded(space) {
     const { recording, position, speed, isPlaying } = this.player;
     this.openPlayer(recording.of(space));
@@ -187,12 +192,13 @@ export class Session {
     }
   }
 
+  // Without bytes nothing is known of a topic any more, as before its first message in a recording.
   show({ topic, schema, bytes, logTime }) {
     const name = NAMES[topic];
     try {
-      const message = decode(schema, bytes);
+      const message = bytes && decode(schema, bytes);
       if (!topic.startsWith("/")) return this.showOfRobot(topic.slice(topic.indexOf("/")), message);
-      if (name === "skin") checkSkin(message);
+      if (message && name === "skin") checkSkin(message);
       this.shown[name] = message;
       this.times[name] = logTime;
       if (name === "status" && !this.player) this.liveStatus = this.shown.status;
@@ -204,7 +210,7 @@ export class Session {
 
   // Topics of a whole robot come with the numbers of their channels, as several may have one name.
   showOfRobot(topic, message) {
-    if (topic.endsWith("/skin")) checkSkin(message);
+    if (message && topic.endsWith("/skin")) checkSkin(message);
     this.robot.take(topic, message);
     this.changes.add("robot");
   }

@@ -18,10 +18,11 @@ export function situationOf(session) {
   return ofImages(status);
 }
 
-function ofRecording({ player, shown, fault }) {
+function ofRecording({ player, shown, robot, isWhole, fault }) {
   const { recording } = player;
   const cut = recording.isCut ? "The file was cut: it is shown up to its last whole chunk." : "";
-  const hasNothing = !shown.skin && !fault;
+  const hasSkin = isWhole ? [...robot.skins.values()].some(({ skin }) => skin) : shown.skin;
+  const hasNothing = !hasSkin && !fault;
   return {
     level: "off",
     word: "Recording",

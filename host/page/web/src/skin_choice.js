@@ -1,7 +1,7 @@
 // Chooses among the skins of a robot, or all of it, where the program tells of several, or a recording holds several.
 
-import { WHOLE } from "./connection.js";
 import { byId, eachChild, element, setText } from "./element.js";
+import { WHOLE } from "./spaces.js";
 
 export function skinChoice(session) {
   const choice = byId("skin-choice");
@@ -10,13 +10,12 @@ export function skinChoice(session) {
     else session.program.choose(choice.value);
   });
   session.listen((changes) => {
-    if (changes.has("program") || changes.has("player")) show(session, choice);
+    if (changes.has("program") || changes.has("player")) show(session.source, choice);
   });
 }
 
-function show({ program, player }, choice) {
-  const { spaces, space } = player?.recording ?? program;
-  const names = !player && program.hasRobot ? [WHOLE, ...spaces] : spaces;
+function show({ spaces, space, hasRobot }, choice) {
+  const names = hasRobot ? [WHOLE, ...spaces] : spaces;
   choice.hidden = names.length < 2;
   eachChild(choice, names, () => element("option"), (option, name) => {
     option.value = name;

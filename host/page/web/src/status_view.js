@@ -25,7 +25,7 @@ function show(session, button, warnedAt) {
   badge.dataset.level = situation.level;
   setText(byId("status-text"), situation.text);
   byId("status-text").title = situation.advice;
-  document.title = `${session.isWhole ? session.program.spaces[0].split("/")[0] : (session.shown.skin?.name ?? situation.word)} – Dermatome`;
+  document.title = `${session.isWhole ? session.source.spaces[0].split("/")[0] : (session.shown.skin?.name ?? situation.word)} – Dermatome`;
   byId("situation").hidden = !situation.covers;
   byId("view").classList.toggle("is-dimmed", situation.covers);
   byId("panel-contacts").classList.toggle("is-dimmed", situation.covers && situation.action === "retry");

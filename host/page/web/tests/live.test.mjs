@@ -215,6 +215,17 @@ describe("a whole robot", () => {
     return page.evaluate(() => window.dermatome.state().robot);
   }
 
+  /** That each contact lies on a skin which is coloured there. */
+  async function assertColoured(page, { contacts }) {
+    await page.evaluate(() => document.getElementById("show-contacts").click());
+    await page.waitForTimeout(300);
+    for (const { space, position } of contacts) {
+      const [red, green, blue] = await colourAtPlace(page, [position.x, position.y, position.z]);
+      // Of viridis, where nothing is a dark violet; the link is grey.
+      assert.ok(green > 90 && green - Math.min(red, blue) > 40, `${space}: ${red}, ${green}, ${blue}`);
+    }
+  }
+
   for (const [name, options] of Object.entries({ light: {}, dark: { colorScheme: "dark" }, phone: { width: 390, height: 844 } })) {
     test(`shows all skins where their links are, and in each where it is touched: ${name}`, { skip }, async () => {
       const { page, errors, close } = await openPage(browser, program.url, options);
@@ -223,17 +234,40 @@ describe("a whole robot", () => {
       assert.deepEqual(robot.links, ["base", "upper_arm", "forearm", "hand"]);
       await page.waitForTimeout(300);
       await screenshot(page, `whole-robot-${name}`);
-      await page.evaluate(() => document.getElementById("show-contacts").click());
-      await page.waitForTimeout(300);
-      for (const { space, position } of robot.contacts) {
-        const [red, green, blue] = await colourAtPlace(page, [position.x, position.y, position.z]);
-        // Of viridis, where nothing is a dark violet; the link is grey.
-        assert.ok(green > 90 && green - Math.min(red, blue) > 40, `${space}: ${red}, ${green}, ${blue}`);
-      }
+      await assertColoured(page, robot);
       assert.deepEqual(errors, []);
       await close();
     });
   }
+
+  test("that was recorded is shown as it was live, wherever one scrubs", { skip }, async () => {
+    const file = join(folder, "run.mcap");
+    execFileSync(PROGRAM, ["serve", ARM, "--record", file, "--duration", "20"], { stdio: "ignore" });
+    const { page, errors, close } = await openPage(browser, program.url);
+    await until(page, () => window.dermatome.state().robot?.links.length === 4, undefined, START_MS);
+    await page.setInputFiles("#file", file);
+    await until(page, () => document.getElementById("playback-name").textContent === "run.mcap" && window.dermatome.state().robot?.links.length === 4, undefined, START_MS);
+    const begin = await page.evaluate(() => window.dermatome.state());
+    assert.ok(begin.recording.seconds < 1, `the first frame is at ${begin.recording.seconds} s`);
+    assert.deepEqual(begin.robot.links, ["base", "upper_arm", "forearm", "hand"]);
+    const choices = await page.locator("#skin-choice option").allTextContents();
+    assert.deepEqual([choices[0], ...choices.slice(1).toSorted()], ["Whole robot", ...SPACES.toSorted()]);
+    await page.selectOption("#speed", "4");
+    await page.keyboard.press(" ");
+    await until(page, (count) => new Set(window.dermatome.state().robot.contacts.map(({ space }) => space)).size === count, SPACES.length, START_MS);
+    await page.keyboard.press(" ");
+    await page.waitForTimeout(300);
+    const { robot, recording } = await page.evaluate(() => window.dermatome.state());
+    assert.deepEqual(robot.skins.toSorted(), SPACES.toSorted());
+    await screenshot(page, "whole-robot-recorded");
+    await page.locator("#position").fill("0");
+    await until(page, (length) => window.dermatome.state().robot.contacts.length !== length, robot.contacts.length);
+    await page.locator("#position").fill((Math.ceil(recording.seconds * 1000) / 1000).toFixed(3));
+    await until(page, (length) => window.dermatome.state().robot.contacts.length === length, robot.contacts.length);
+    await assertColoured(page, await page.evaluate(() => window.dermatome.state().robot));
+    assert.deepEqual(errors, []);
+    await close();
+  });
 
   test("a skin that is chosen shows its details, and the whole robot comes back", { skip }, async () => {
     const { page, errors, close } = await openPage(browser, program.url);

@@ -252,6 +252,37 @@ describe("recordings", () => {
     }
   });
 
+  const robotOf = (positions) => [["/links", { markers: [] }, -1], ["/tf_static", { transforms: [] }, -1], ...positions.map((at) => ["/tf", { transforms: [] }, at])];
+
+  test("of a robot all is told at once, each channel by itself, and the frames of all its skins are stepped through", async () => {
+    const mocks = { "arm/palm": new Mock({ rate: 100 }), "arm/back": new Mock({ rate: 100, skin: hemisphere() }) };
+    const whole = await record({ seconds: 2, mocks, begins: { "arm/back": 1.005 }, robot: robotOf([-1, 0.5, 1.5]) });
+    const recording = await openRecording(new Blob([whole]), "robot.mcap");
+    assert.ok(recording.isWhole && recording.hasRobot);
+    const told = async (seconds) => {
+      const found = await recording.at(recording.start + BigInt(Math.round(seconds * 1e9)));
+      return Object.fromEntries(found.map(({ topic, ...message }) => [topic.replace(/^\d+/, ""), message]));
+    };
+    const ofPalm = ["/arm/palm/contacts", "/arm/palm/image", "/arm/palm/skin", "/arm/palm/status"];
+    const early = await told(0.7);
+    assert.deepEqual(Object.keys(early).sort(), ["/arm/back/skin", ...ofPalm, "/links", "/tf", "/tf_static"]);
+    assert.equal(early["/tf"].logTime, recording.start + 500_000_000n);
+    const late = await told(1.6);
+    assert.equal(Object.keys(late).length, 11);
+    assert.deepEqual(["palm", "back"].map((skin) => decode(late[`/arm/${skin}/image`].schema, late[`/arm/${skin}/image`].bytes).sequence), [160, 160]);
+    const single = recording.of("arm/back");
+    assert.deepEqual([single.isWhole, single.start, single.end], [false, recording.start, recording.end]);
+    assert.equal(await single.neighbour(single.start, true), single.start + 1_010_000_000n);
+    assert.equal(await recording.neighbour(recording.start + 1_004_000_000n, true), recording.start + 1_010_000_000n);
+  });
+
+  test("begins with the first frame, not with what is told before", async () => {
+    const whole = await record({ seconds: 2, robot: robotOf([-1, -0.5, 0]) });
+    const recording = await openRecording(new Blob([whole]), "robot.mcap");
+    assert.ok(Math.abs(recording.duration - 1.99) < 1e-9, `${recording.duration} s`);
+    assert.equal(recording.start - recording.chunks[0].start, 1_000_000_000n);
+  });
+
   test("cut anywhere, it opens up to a whole chunk or says why not", async () => {
     const whole = await record({ seconds: 0.6, rate: 100, chunkSize: 16 * 1024 });
     let last = 0;

@@ -60,6 +60,59 @@ describe("recordings", () => {
     });
   });
 
+  // A hand that turns, with a link that does not, and a skin whose board comes after a second.
+  const transform = (parent, child, x, angle = 0) => ({
+    header: header(parent),
+    child_frame_id: child,
+    transform: { translation: { x, y: 0, z: 0 }, rotation: { x: 0, y: 0, z: Math.sin(angle / 2), w: Math.cos(angle / 2) } },
+  });
+  const header = (frame) => ({ stamp: { sec: 0, nanosec: 0 }, frame_id: frame });
+  const corners = [[0, 0, 0], [0.5, 0, 0], [0.5, 0.05, 0]].map(([x, y, z]) => ({ x, y, z }));
+  const ARM = [
+    ["/links", { markers: [{ header: header("base"), points: corners }] }, -1],
+    ["/tf_static", { transforms: [transform("hand", "arm/palm", 0.3), transform("base", "arm/back", -0.3)] }, -1],
+    ...Array.from({ length: 80 }, (_, i) => i / 20 - 1).map((time) => ["/tf", { transforms: [transform("base", "hand", 0.1, time >= 2 ? Math.PI / 2 : 0)] }, time]),
+  ];
+
+  test("of a robot all of it is shown and scrubbed, and each of its skins by itself", async () => {
+    const place = [0.02, 0.02, 0];
+    const still = { place, strength: 0.123 };
+    const mocks = { "arm/palm": new Mock({ rate: 100, still }), "arm/back": new Mock({ rate: 100, skin: hemisphere(), still: { place: [0, 0, 0.06], strength: 0.1 } }) };
+    const buffer = await record({ seconds: 3, mocks, begins: { "arm/back": 1 }, robot: ARM });
+    await withPage({}, async ({ page }) => {
+      await untilDrawn(page);
+      await open(page, buffer, "robot.mcap");
+      const touched = (spaces) => until(page, (expected) => window.dermatome.state().robot?.contacts.map(({ space }) => space).join() === expected, spaces.join());
+      const palmAt = (x, y) => until(page, ([x, y]) => {
+        const palm = window.dermatome.state().robot.contacts.find(({ space }) => space === "arm/palm");
+        return palm && Math.hypot(palm.position.x - x, palm.position.y - y) < 0.01;
+      }, [x, y]);
+      await touched(["arm/palm"]);
+      assert.deepEqual(await page.locator("#skin-choice option").allTextContents(), ["Whole robot", "arm/palm", "arm/back"]);
+      assert.deepEqual((await state(page)).robot.links, ["base"]);
+      assert.ok(Math.abs((await state(page)).recording.duration - 2.99) < 1e-6, "the second before the first frame is left out");
+      await palmAt(0.42, 0.02);
+      assert.equal(await page.title(), "arm – Dermatome");
+      await page.locator("#position").fill("2.5");
+      await touched(["arm/palm", "arm/back"]);
+      await palmAt(0.08, 0.32);
+      await page.keyboard.press("1");
+      assert.match(await text(page, "session"), /palmLive, 1 contact.*backLive, 1 contact/);
+      await screenshot(page, "recording-robot");
+      await page.locator("#position").fill("0.5");
+      await touched(["arm/palm"]);
+      await palmAt(0.42, 0.02);
+      await page.selectOption("#skin-choice", "arm/back");
+      await until(page, () => window.dermatome.state().skin === "mock-hemisphere" && window.dermatome.state().recording.seconds === 0.5);
+      await page.selectOption("#skin-choice", "*");
+      await touched(["arm/palm"]);
+      await page.keyboard.press(" ");
+      await touched(["arm/palm", "arm/back"]);
+      await page.click("#close-recording");
+      await until(page, () => !window.dermatome.state().robot && window.dermatome.state().skin === "mock-disc" && window.dermatome.state().sequence > 0);
+    });
+  });
+
   test("the plots show the minute before the position, wherever one scrubs", async () => {
     const buffer = await record({ seconds: 6, rate: 50 });
     await withPage({}, async ({ page }) => {
