@@ -35,6 +35,7 @@ const READERS: &[(&[&str], &str)] = &[
     (&["replay", "frames.csv", "--patch", "skin.dermatome", "--reference", "@"], "frames.csv"),
     (&["replay", "frames.csv", "--patch", "skin.dermatome", "--times", "@"], "times.csv"),
     (&["check-data", "skin.toml", "@"], "frames.csv"),
+    (&["check-data", "skin.toml", "frames.csv", "--good", "@"], "frames.csv"),
     (&["learn", "skin.toml", "--presses", "@", "--reference", "reference.csv"], "presses.csv"),
     (&["learn", "skin.toml", "--presses", "presses.csv", "--reference", "@"], "frames.csv"),
     (&["forward", "skin.toml", "--conductivity", "@"], "conductivity.npy"),

@@ -52,6 +52,7 @@ const READ: &[&str] = &[
     "path",
     "material",
     "reference",
+    "good",
     "frames of a file",
     "times",
     "presses",

@@ -174,12 +174,13 @@ fn in_skins(desks: &Desks) -> Vec<Case> {
 
 /// Tables of numbers without a heading.
 fn of_numbers(desks: &Desks) -> Vec<Case> {
-    let readers: [(&[&str], &str); 7] = [
+    let readers: [(&[&str], &str); 8] = [
         (&["reconstruct", "skin.toml", "--reference", "reference.csv", "--frames", "bad.csv"], "frames.csv"),
         (&["reconstruct", "skin.toml", "--reference", "bad.csv", "--frames", "frames.csv"], "reference.csv"),
         (&["replay", "bad.csv", "--patch", "skin.dermatome"], "frames.csv"),
         (&["replay", "frames.csv", "--patch", "skin.dermatome", "--times", "bad.csv"], "times.csv"),
         (&["check-data", "skin.toml", "bad.csv"], "frames.csv"),
+        (&["check-data", "skin.toml", "frames.csv", "--good", "bad.csv"], "frames.csv"),
         (&["learn", "skin.toml", "--presses", "bad.csv", "--reference", "reference.csv"], "presses.csv"),
         (&["forward", "skin.toml", "--conductivity", "bad.csv"], "ones.csv"),
     ];

@@ -1,5 +1,7 @@
 //! A few statistics of measurements.
 
+use num_complex::Complex64;
+
 /// Median, the upper one of two; 0 for nothing.
 #[must_use]
 pub fn median(values: impl Iterator<Item = f64>) -> f64 {
@@ -26,4 +28,12 @@ pub fn pearson(points: &[(f64, f64)]) -> f64 {
     }
     let scale = (xx * yy).sqrt();
     if scale > 0.0 { (xy / scale).clamp(-1.0, 1.0) } else { 0.0 }
+}
+
+/// Magnitudes with the sign that values have along their common phase, half the angle of the sum of squares.
+pub(super) fn along_common_phase(values: &[Complex64]) -> Vec<f64> {
+    let squares: Complex64 = values.iter().map(|value| value * value).sum();
+    let back = Complex64::from_polar(1.0, -squares.arg() / 2.0);
+    let back = if back.is_finite() { back } else { Complex64::ONE };
+    values.iter().map(|value| value.norm().copysign((value * back).re)).collect()
 }

@@ -8,10 +8,9 @@ use super::{
     super::{
         order::{Arrangement, FileIndex, OrderError},
         read::Frames,
-        statistics::median,
+        statistics::{along_common_phase, median},
     },
     Reference,
-    likeness::along_common_phase,
 };
 use dermatome_geometry::mesh::Lattice;
 use dermatome_model::{

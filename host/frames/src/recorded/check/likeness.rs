@@ -15,7 +15,7 @@
 //! show in the scatter, an offset in the bias.
 
 use super::{
-    super::statistics::{median, pearson},
+    super::statistics::{along_common_phase, median, pearson},
     Reference,
     expected::Expected,
     reading::Reading,
@@ -152,14 +152,6 @@ impl<'a> Comparison<'a> {
 
 fn scatter(residuals: &[f64]) -> f64 {
     residuals.iter().map(|e| e.abs().min(MOST)).sum::<f64>() / residuals.len().max(1) as f64
-}
-
-/// Magnitudes with the sign that values have along their common phase, half the angle of the sum of squares.
-pub(super) fn along_common_phase(values: &[Complex64]) -> Vec<f64> {
-    let squares: Complex64 = values.iter().map(|value| value * value).sum();
-    let back = Complex64::from_polar(1.0, -squares.arg() / 2.0);
-    let back = if back.is_finite() { back } else { Complex64::ONE };
-    values.iter().map(|value| value.norm().copysign((value * back).re)).collect()
 }
 
 /// Median measured magnitude over the model's, above zero.
