@@ -9,6 +9,7 @@ use dermatome::{
         check::{
             Check, Expected, check as check_frames,
             findings::{About, Level},
+            reading::Misplacement,
             wiring::{Exchange, Role},
         },
         diagnose::{Diagnosis, diagnose},
@@ -286,5 +287,37 @@ fn the_hydrogel_skins_reversed_drives_disagree() {
         let reversal = found.reversal.unwrap();
         println!("{key}: {:.0} % over {} pairs", reversal.median_percent, reversal.pairs.len());
         assert!(reversal.median_percent > 70.0 && reversal.pairs.len() == 96);
+    }
+}
+
+/// Neither skin fits a model; each fits what it measured before, and a row in another's place is named.
+#[test]
+fn skins_that_no_model_fits_are_checked_against_their_good_frames() {
+    let runs = [
+        ("hydrogel_skin_wam.npz:v_unpressed", "opposite", 0.0),
+        ("black_sensor_ert_skin.npz:expABCX_150mm_8p5wt_6", "adjacent", 7000.0),
+        ("black_sensor_ert_skin.npz:expABX_100mm_9p5wt_5", "adjacent", 94.0),
+    ];
+    for (run, pattern, offset) in runs {
+        let Some(all) = frames(run) else { return };
+        let all = all.minus(offset);
+        let (early, late) = all.values.split_at(all.frames / 2 * all.measurements);
+        let part = |values: &[Complex64]| Frames {
+            values: values.to_vec(),
+            frames: values.len() / all.measurements,
+            ..all.clone()
+        };
+        let (good, mut later) = (part(early), part(late));
+        let model = expected(pattern);
+        assert!(!faults(&check_frames(&model, &later, PLAIN).unwrap()).is_empty(), "{run}");
+        let expected = model.measured(&good, PLAIN).unwrap();
+        assert_eq!(faults(&check_frames(&expected, &later, PLAIN).unwrap()), [], "{run}");
+        let row = later.measurements / 16;
+        for frame in later.values.chunks_exact_mut(16 * row) {
+            let (front, back) = frame.split_at_mut(9 * row);
+            front[3 * row..4 * row].swap_with_slice(&mut back[..row]);
+        }
+        let found = check_frames(&expected, &later, PLAIN).unwrap();
+        assert_eq!(found.misplaced, [Misplacement::Rows([3, 9])], "{run}");
     }
 }
