@@ -320,4 +320,9 @@ fn skins_that_no_model_fits_are_checked_against_their_good_frames() {
         let found = check_frames(&expected, &later, PLAIN).unwrap();
         assert_eq!(found.misplaced, [Misplacement::Rows([3, 9])], "{run}");
     }
+    // The hydrogel skin once it was damaged.
+    let whole = frames("hydrogel_skin_wam.npz:v_unpressed").unwrap();
+    let damaged = frames("hydrogel_skin_wam.npz:damage").unwrap();
+    let expected = expected("opposite").measured(&whole, PLAIN).unwrap();
+    assert_eq!(faults(&check_frames(&expected, &damaged, PLAIN).unwrap()), [About::Reversal]);
 }

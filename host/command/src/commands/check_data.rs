@@ -7,7 +7,7 @@ use super::{
 use anyhow::{Context, bail};
 use dermatome_frames::recorded::{
     check::{
-        Check, check,
+        Check, Expected, check,
         findings::{About, Finding, Level},
     },
     fit::{Fit, fit},
@@ -96,7 +96,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let skin = Skin::load(&args.skin)?.made()?;
     let source = Source::new(&args.file);
     let frames = args.options.read(&source, &skin.steps(), skin.electrodes.count)?;
-    let expected = args.options.expected(&skin, &args.skin, args.good.as_ref())?;
+    let model = Expected::of(&skin).with_context(|| format!("skin file `{}`", args.skin.display()))?;
+    let expected = args.options.expected(model, args.good.as_ref())?;
     let check = check(&expected, &frames, args.options.arrangement())
         .with_context(|| format!("`{source}`{}", hint(&skin, &frames)))?;
     let fitted = args.fit.then(|| fit(&skin, &frames.mean(), &args.options.arrangement()));

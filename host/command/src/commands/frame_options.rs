@@ -11,9 +11,8 @@ use dermatome_frames::{
         wording::Wording,
     },
 };
-use dermatome_model::skin::Skin;
 use dermatome_shared::stimulation::Step;
-use std::{ffi::OsString, path::Path};
+use std::ffi::OsString;
 
 /// How the file orders its measurements and numbers its electrodes.
 #[derive(clap::Args)]
@@ -54,17 +53,11 @@ impl FrameOptions {
     }
 
     /// What a skin should measure: as good frames say, where there are some, otherwise as its model does.
-    pub(super) fn expected(
-        &self,
-        skin: &Skin,
-        skin_file: &Path,
-        good: Option<&OsString>,
-    ) -> anyhow::Result<Expected> {
-        let expected = Expected::of(skin).with_context(|| format!("skin file `{}`", skin_file.display()))?;
-        let Some(good) = good else { return Ok(expected) };
+    pub(super) fn expected(&self, model: Expected, good: Option<&OsString>) -> anyhow::Result<Expected> {
+        let Some(good) = good else { return Ok(model) };
         let source = Source::new(good);
-        let frames = self.read(&source, &skin.steps(), skin.electrodes.count)?;
-        let measured = expected.measured(&frames, self.arrangement());
+        let frames = self.read(&source, &model.steps, model.electrodes())?;
+        let measured = model.measured(&frames, self.arrangement());
         measured.with_context(|| format!("--good `{source}`"))
     }
 

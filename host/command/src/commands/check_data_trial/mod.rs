@@ -127,8 +127,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 fn recorded(args: &Args, path: &Path) -> anyhow::Result<Vec<Set>> {
     ensure!(!args.files.is_empty(), "a skin file is given and no FILE; allowed: at least one");
     let skin = Skin::load(path)?.made()?;
-    let model = args.options.expected(&skin, path, None)?;
-    let expected = args.options.expected(&skin, path, args.good.as_ref())?;
+    let model = Expected::of(&skin).with_context(|| format!("skin file `{}`", path.display()))?;
+    let expected = args.options.expected(model.clone(), args.good.as_ref())?;
     let set = |file: &OsString| {
         let source = Source::new(file);
         let frames = args.options.read(&source, &skin.steps(), skin.electrodes.count)?;

@@ -2,8 +2,7 @@
 
 use super::{
     super::statistics::{median, pearson},
-    Readings,
-    expected::Expected,
+    Expected, Readings,
 };
 use dermatome_shared::stimulation::Step;
 use serde::Serialize;

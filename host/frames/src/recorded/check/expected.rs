@@ -106,14 +106,14 @@ impl Expected {
     pub fn measured(self, good: &Frames, used: Arrangement) -> Result<Self, GoodFramesError> {
         let map = used.index_map(&self.steps, self.electrodes, good.measurements)?;
         let reference = Reference::of(good);
-        let mean = &reference.values;
-        let read = |place: &FileIndex| mean[place.index] * if place.flipped { -1.0 } else { 1.0 };
+        let read = |place: &FileIndex| reference.values[place.index] * if place.flipped { -1.0 } else { 1.0 };
         let mut measured = along_common_phase(&map.iter().map(read).collect::<Vec<_>>());
         let model: Vec<f64> = self.steps.iter().map(|&step| self.voltage(step)).collect();
-        if mean.iter().all(|value| value.im == 0.0 && value.re >= 0.0) {
-            measured.iter_mut().zip(&model).for_each(|(value, m)| *value = value.abs().copysign(*m));
+        // Magnitudes have the model's signs.
+        if measured.iter().all(|&value| value >= 0.0) {
+            measured.iter_mut().zip(&model).for_each(|(value, m)| *value = value.copysign(*m));
         }
-        let along: f64 = measured.iter().zip(&model).map(|(value, m)| (value * m).signum()).sum();
+        let along: f64 = measured.iter().zip(&model).map(|(value, m)| value * m).sum();
         let size = median(measured.iter().map(|value| value.abs())) / median(model.iter().map(|m| m.abs()));
         let gain = size.copysign(along);
         if !(gain.abs() > 0.0 && gain.is_finite()) {
@@ -256,18 +256,20 @@ fn solve<T: Admittivity>(skin: &Skin, admittivity: T) -> Result<Expected, ModelE
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recorded::check::{
-        check,
-        findings::Level,
-        wiring::{Exchange, Role, Wiring},
+    use crate::recorded::{
+        check::{
+            check,
+            findings::Level,
+            wiring::{Exchange, Role, Wiring},
+        },
+        order::SenseOrder,
     };
     use dermatome_shared::stimulation::{Driven, pattern};
     use num_complex::Complex64;
     use rand::{Rng, SeedableRng};
     use rand_pcg::Pcg64;
 
-    const PLAIN: Arrangement =
-        Arrangement { sense: crate::recorded::order::SenseOrder::Absolute, rotation: 0, mirrored: false };
+    const PLAIN: Arrangement = Arrangement { sense: SenseOrder::Absolute, rotation: 0, mirrored: false };
 
     /// A disc whose impedances from electrode to electrode differ by so much from those of an even one.
     fn disc(unlike: f64) -> Expected {

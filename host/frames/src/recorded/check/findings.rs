@@ -5,8 +5,7 @@ use super::{
         diagnose::{LEAST_FIT, RESEMBLING, first_few},
         wording::{Advice, Rearrangement},
     },
-    Check,
-    expected::{Expected, KnownBy},
+    Check, Expected, KnownBy,
     gain::PairGain,
     numbering::Numbering,
     reading::Misplacement,
@@ -17,6 +16,8 @@ use serde::Serialize;
 
 /// Median error between steps that must agree which is a fault, %; saline tanks reach 5.
 const DISAGREEMENT_PERCENT: f64 = 10.0;
+/// The same where they are compared with what they were in good frames, which never agreed by themselves.
+const CHANGED_PERCENT: f64 = 30.0;
 /// Mean logarithm of measured over expected from which on frames are unlike the model: between steps that are the same
 /// but for a turn, and of such steps together.
 const UNLIKE: f64 = 0.25;
@@ -388,31 +389,34 @@ fn dead(check: &Check) -> Option<Finding> {
 
 fn agreement(check: &Check) -> Vec<Finding> {
     let mut findings = Vec::new();
-    // What must agree on a body has been compared step by step with what this instrument made of it.
-    let told = match check.compared_with {
-        KnownBy::Model => fault,
-        KnownBy::GoodFrames => note,
+    let told = |median_percent: f64| match check.compared_with {
+        KnownBy::GoodFrames if median_percent < CHANGED_PERCENT => note,
+        _ => fault,
+    };
+    let against = match check.compared_with {
+        KnownBy::Model => "",
+        KnownBy::GoodFrames => ", other than in the good frames",
     };
     if let Some(reversal) = check.reversal.as_ref().filter(|it| it.median_percent > DISAGREEMENT_PERCENT) {
         let found = format!(
-            "the same pairs the other way round differ by {:.0} % (median of {} pairs of steps): the values are \
-             not differences between two electrodes of a linear body alone",
+            "the same pairs the other way round differ by {:.0} % (median of {} pairs of steps){against}: the values \
+             are not differences between two electrodes of a linear body alone",
             reversal.median_percent,
             reversal.pairs.len()
         );
         let advice =
             "check common-mode rejection, leakage, and that the sense pair is what the skin file says";
-        findings.push(told(About::Reversal, found, advice));
+        findings.push(told(reversal.median_percent)(About::Reversal, found, advice));
     }
     let Some(reciprocity) = &check.reciprocity else { return findings };
     if reciprocity.median_percent > DISAGREEMENT_PERCENT {
         let found = format!(
-            "drive and sense exchanged give voltages that differ by {:.0} % (median of {} pairs of steps)",
+            "drive and sense exchanged give voltages that differ by {:.0} % (median of {} pairs of steps){against}",
             reciprocity.median_percent,
             reciprocity.pairs.len()
         );
         let advice = "check the order of the steps, gain and settling of each channel, and contacts";
-        findings.push(told(About::Reciprocity, found, advice));
+        findings.push(told(reciprocity.median_percent)(About::Reciprocity, found, advice));
     }
     findings.extend(outstanding(reciprocity));
     findings

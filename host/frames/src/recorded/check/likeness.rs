@@ -16,8 +16,7 @@
 
 use super::{
     super::statistics::{along_common_phase, median, pearson},
-    Reference,
-    expected::Expected,
+    Expected, Reference,
     reading::Reading,
 };
 use crate::recorded::order::OrderError;

@@ -1,8 +1,8 @@
 //! Check of a whole file of frames against a skin: what is wrong with it, and what to change.
 //!
 //! The file is taken to hold the skin's stimulation table, or the full square, in its own electrode
-//! numbers. The model's voltage of any pairs follows from the transfer impedances of the electrodes,
-//! so any numbering can be tried, whatever the table. A [`reading`] says how the file is read; `likeness` how
+//! numbers. What is `expected` of any pairs, by the model or by good frames, follows from the transfer impedances of
+//! the electrodes, so any numbering can be tried, whatever the table. A [`reading`] says how the file is read; `likeness` how
 //! like the model the frame is then; `causes` looks for what makes it more like: other orders, rotations, mirroring,
 //! exchanged electrodes, an offset, potentials, values in other places of the frame. Then [`polarity`],
 //! [`electrodes`], [`gain`], [`reciprocity`] and [`signal`] look for faults of the instrument, and [`findings`] puts

@@ -2,8 +2,7 @@
 
 use super::{
     super::{diagnose::Signs, order::FileIndex},
-    Readings,
-    expected::Expected,
+    Expected, Readings,
 };
 use dermatome_shared::stimulation::Step;
 use num_complex::Complex64;

@@ -5,7 +5,7 @@ use super::{
         order::{Arrangement, OrderError},
         read::Frames,
     },
-    expected::Expected,
+    Expected,
     wiring::{Exchange, Wiring},
 };
 use dermatome_shared::stimulation::Step;
