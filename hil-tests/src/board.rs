@@ -17,6 +17,7 @@ use std::{
         mpsc::{Receiver, Sender, channel},
     },
     thread,
+    time::Duration,
 };
 
 /// How long a board may take to start: it checks both of its patches first.
@@ -205,7 +206,11 @@ impl Write for Line {
     }
 }
 
-impl Transport for Line {}
+impl Transport for Line {
+    fn time(&self) -> Option<Duration> {
+        Some(self.board.with(|machine| machine.now()).into())
+    }
+}
 
 impl Drop for Line {
     fn drop(&mut self) {

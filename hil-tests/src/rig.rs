@@ -370,7 +370,7 @@ impl Rig {
             Self::Bus(_) => panic!("{UNDECLARED}"),
             Self::Board { programmer, .. } => needed(programmer).reset()?,
         }
-        Ok(self.wait(Duration::from_nanos(START_TIME.nanoseconds()))?)
+        Ok(self.wait(START_TIME.into())?)
     }
 
     /// Programs the firmware again, and starts the board anew. Needs [`Capability::Program`].
@@ -380,7 +380,7 @@ impl Rig {
             Self::Bus(_) => panic!("{UNDECLARED}"),
             Self::Board { programmer, .. } => needed(programmer).program()?,
         }
-        Ok(self.wait(Duration::from_nanos(START_TIME.nanoseconds()))?)
+        Ok(self.wait(START_TIME.into())?)
     }
 
     /// A link to the board.

@@ -11,6 +11,7 @@ use std::{
     collections::VecDeque,
     io::{self, ErrorKind, Read, Write},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
+    time::Duration,
 };
 
 /// Longest that one read waits, in virtual time.
@@ -181,4 +182,8 @@ impl Write for Port {
     }
 }
 
-impl Transport for Port {}
+impl Transport for Port {
+    fn time(&self) -> Option<Duration> {
+        Some(self.master.state().now().into())
+    }
+}

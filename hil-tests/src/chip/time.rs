@@ -74,6 +74,12 @@ impl From<Duration> for Time {
     }
 }
 
+impl From<Time> for Duration {
+    fn from(time: Time) -> Self {
+        Self::from_nanos(time.nanoseconds())
+    }
+}
+
 impl Add for Time {
     type Output = Self;
     fn add(self, other: Self) -> Self {

@@ -11,6 +11,7 @@ use std::{
     collections::{BTreeMap, VecDeque},
     io::{self, ErrorKind, Read, Write},
     sync::{Arc, Mutex, MutexGuard, PoisonError},
+    time::Duration,
 };
 
 /// Longest that one read waits, in virtual time.
@@ -108,4 +109,8 @@ impl Write for Port {
     }
 }
 
-impl Transport for Port {}
+impl Transport for Port {
+    fn time(&self) -> Option<Duration> {
+        Some(self.host.bus.with(|wire| wire.now()).into())
+    }
+}

@@ -342,7 +342,7 @@ impl Link {
             match self.wire.arrived()? {
                 Some(BoardPacket::Event { number, event }) => self.keep(number, event),
                 Some(BoardPacket::Reply { sequence, reply }) => return Ok(Arrived::Reply(sequence, reply)),
-                None if self.order.waited() < PARTS_TIMEOUT => break,
+                None if self.order.waited(self.wire.time()) < PARTS_TIMEOUT => break,
                 None => {
                     self.order.give_up(|event| self.events.push_back(event));
                     break;
@@ -379,7 +379,7 @@ impl Link {
                 Some(BoardPacket::Event { number, event }) => self.keep(number, event),
                 Some(BoardPacket::Reply { .. }) => {}
                 // A long event takes its time on the line.
-                None if self.order.waited() < PARTS_TIMEOUT => {}
+                None if self.order.waited(self.wire.time()) < PARTS_TIMEOUT => {}
                 None => self.order.give_up(|event| self.events.push_back(event)),
             }
             let place = self.events.iter().skip(known).position(|(_, event)| wanted(event));
@@ -397,7 +397,8 @@ impl Link {
             self.events.pop_front();
             self.events_forgotten += 1;
         }
-        self.order.take(number, event, |event| self.events.push_back(event));
+        let now = self.wire.time();
+        self.order.take(number, event, now, |event| self.events.push_back(event));
     }
 
     /// On a bus with others: how many boards it is for, those included that are not open yet.

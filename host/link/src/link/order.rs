@@ -6,10 +6,7 @@
 
 use super::Numbered;
 use dermatome_shared::protocol::{Event, Selection};
-use std::{
-    collections::VecDeque,
-    time::{Duration, Instant},
-};
+use std::{collections::VecDeque, time::Duration};
 
 /// More than this never wait for one that was overtaken: it is lost.
 const MOST_WAITING: usize = 16;
@@ -30,7 +27,7 @@ pub(super) struct Order {
     /// Events that came ahead of it, ascending.
     waiting: VecDeque<Numbered>,
     /// Since when the first of them waits.
-    since: Option<Instant>,
+    since: Option<Duration>,
     lost: u64,
 }
 
@@ -55,8 +52,8 @@ impl Order {
         self.lost
     }
 
-    /// Takes the event that came; `done` gets all events whose turn it is.
-    pub(super) fn take(&mut self, number: u32, event: Event, mut done: impl FnMut(Numbered)) {
+    /// Takes the event that came `now`; `done` gets all events whose turn it is.
+    pub(super) fn take(&mut self, number: u32, event: Event, now: Duration, mut done: impl FnMut(Numbered)) {
         let behind = self.due.map_or(0, |due| due.wrapping_sub(number));
         if self.is_late(number, behind) {
             return done((number, event));
@@ -72,6 +69,9 @@ impl Order {
         let place = self.waiting.partition_point(|(other, _)| ahead(*other) < ahead(number));
         self.waiting.insert(place, (number, event));
         self.release(Self::is_lost, done);
+        if !self.waiting.is_empty() {
+            self.since.get_or_insert(now);
+        }
     }
 
     /// Whether the event of this number, so far behind, was overtaken: by events that made it count as lost, which it
@@ -102,8 +102,8 @@ impl Order {
     }
 
     /// How long the first of those that wait has waited.
-    pub(super) fn waited(&self) -> Duration {
-        self.since.map_or(Duration::ZERO, |since| since.elapsed())
+    pub(super) fn waited(&self, now: Duration) -> Duration {
+        self.since.map_or(Duration::ZERO, |since| now.saturating_sub(since))
     }
 
     /// Nothing is on its way any more: `done` gets what waits.
@@ -115,7 +115,6 @@ impl Order {
     fn release(&mut self, lost: impl Fn(&Self) -> bool, mut done: impl FnMut(Numbered)) {
         while let (Some(due), Some(&(number, _))) = (self.due, self.waiting.front()) {
             if number != due && !lost(self) {
-                self.since.get_or_insert_with(Instant::now);
                 return;
             }
             self.since = None;
@@ -166,7 +165,7 @@ mod tests {
         let mut numbers = Vec::new();
         order.begin(selection, |_| ());
         for &(number, is_long) in events {
-            order.take(number, event(is_long), |(number, _)| numbers.push(number));
+            order.take(number, event(is_long), Duration::ZERO, |(number, _)| numbers.push(number));
         }
         order.give_up(|(number, _)| numbers.push(number));
         (numbers, order.lost())
@@ -187,9 +186,23 @@ mod tests {
         order.begin(&contacts, |_| ());
         let mut numbers = Vec::new();
         for number in [3, 6] {
-            order.take(number, event(false), |(number, _)| numbers.push(number));
+            order.take(number, event(false), Duration::ZERO, |(number, _)| numbers.push(number));
         }
         assert_eq!((numbers, order.lost()), (vec![3, 6], 2));
+    }
+
+    #[test]
+    fn the_first_of_those_that_wait_has_waited_since_it_came_whatever_comes_behind_it() {
+        let mut order = Order::default();
+        order.begin(&MIXED, |_| ());
+        let at = Duration::from_secs;
+        order.take(0, event(false), at(0), |_| ());
+        assert_eq!(order.waited(at(9)), Duration::ZERO);
+        order.take(2, event(false), at(1), |_| ());
+        order.take(3, event(false), at(5), |_| ());
+        assert_eq!(order.waited(at(9)), Duration::from_secs(8));
+        order.take(1, event(true), at(9), |_| ());
+        assert_eq!(order.waited(at(20)), Duration::ZERO);
     }
 
     #[test]

@@ -41,6 +41,11 @@ pub trait Transport: Read + Write + Send {
     fn descriptor(&self) -> Option<RawFd> {
         None
     }
+
+    /// How late it is by the line's own clock, as an emulated line has one: by it is known how long no byte has come.
+    fn time(&self) -> Option<Duration> {
+        None
+    }
 }
 
 impl Transport for TcpStream {

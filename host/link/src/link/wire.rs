@@ -28,7 +28,8 @@ pub(super) struct Wire {
     /// Bytes that the transport has not taken yet, where nobody waits for it.
     unsent: Vec<u8>,
     /// When the last bytes came.
-    heard: Instant,
+    heard: Duration,
+    opened: Instant,
     damaged: u64,
     last_damage: Damage,
 }
@@ -37,12 +38,13 @@ impl Wire {
     pub(super) fn new(port: Arc<str>, transport: Box<dyn Transport>) -> Self {
         Self {
             port,
+            opened: Instant::now(),
+            heard: transport.time().unwrap_or_default(),
             transport,
             reader: PacketReader::default(),
             input: Vec::with_capacity(MAX_PACKET_BYTES),
             taken: 0,
             unsent: Vec::new(),
-            heard: Instant::now(),
             damaged: 0,
             last_damage: Damage::Packet(PacketError::Framing),
         }
@@ -52,9 +54,14 @@ impl Wire {
         self.damaged
     }
 
+    /// How late it is on the line: by its own clock, or since it was opened.
+    pub(super) fn time(&self) -> Duration {
+        self.transport.time().unwrap_or_else(|| self.opened.elapsed())
+    }
+
     /// How long no byte has come.
     pub(super) fn silence(&self) -> Duration {
-        self.heard.elapsed()
+        self.time().saturating_sub(self.heard)
     }
 
     pub(super) fn forget_damage(&mut self) {
@@ -183,7 +190,7 @@ impl Wire {
             Ok(0) => Err(ErrorKind::UnexpectedEof.into()),
             Err(error) if !may_retry(&error) => Err(error),
             Ok(_) => {
-                self.heard = Instant::now();
+                self.heard = self.time();
                 Ok(())
             }
             Err(_) => Ok(()),
