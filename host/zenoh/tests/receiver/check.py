@@ -60,6 +60,8 @@ def setUpModule():
         time.sleep(0.01)
         late.append((time.monotonic() - before - 0.01) * 1e3)
     desk.busy = most_of(late)
+    # Before the tests decode what came, which keeps this program from hearing the next.
+    desk.undisturbed = list(desk.came["contacts"])
 
 
 class Desk:
@@ -159,7 +161,7 @@ class A_Frames(unittest.TestCase):
 
     def test_the_end_of_a_scan_is_soon_heard(self):
         # Before, the offset between the clocks is not known yet.
-        frames = [(messages.contacts(payload), came) for _, payload, came in desk.came["contacts"][100:]]
+        frames = [(messages.contacts(payload), came) for _, payload, came in desk.undisturbed[100:]]
         late = [(came - frame.ended_ns) * 1e-6 for frame, came in frames]
         median, most = statistics.median(late), most_of(late)
         print(
@@ -196,8 +198,9 @@ class B_Questions(unittest.TestCase):
 
     def test_to_drive(self):
         outcome = self.order("drive", messages.drive(frame_rate=40))
-        self.assertTrue(outcome.success, outcome.message)
-        self.assertIn("40 frames a second", outcome.message)
+        # The finger of a simulated board is always on the skin.
+        self.assertFalse(outcome.success)
+        self.assertIn("its new drive waits until it is free", outcome.message)
         for payload, words in [
             (messages.drive(frequency=-1), "`frequency` is -1"),
             (messages.drive(gain=3), "`gain` is 3; allowed: "),

@@ -1,6 +1,6 @@
 //! Rate: eight computers with eight skins each, 100 frames a second, without boards: what network and merging can do alone.
 //!
-//! `DERMATOME_SECONDS=30 cargo test -p dermatome-zenoh --test rate -- --nocapture`
+//! `DERMATOME_SECONDS=60 cargo bench -p dermatome-zenoh --bench rate`
 
 use dermatome_body::{
     Body,
@@ -15,7 +15,7 @@ use dermatome_shared::{
     frame::FrameFlags,
     protocol::{FrameSource, FrameStamp},
 };
-use dermatome_zenoh::{Listener, Merge, Robot, Settings};
+use dermatome_zenoh::{Heard, Listener, Merge, Robot, Settings};
 use std::{
     fmt::Write as _,
     net::TcpListener,
@@ -29,6 +29,8 @@ const SKIN: &str = include_str!("../../tests/data/tiny.toml");
 const COMPUTERS: usize = 8;
 const SKINS: usize = 8;
 const PERIOD: Duration = Duration::from_millis(10);
+/// So long all of them come to know each other, all at once on one computer.
+const START: Duration = Duration::from_secs(3);
 
 fn body_file(folder: &Path, computer: usize) -> BodyFile {
     let mut text = "name = \"arm\"\n".to_owned();
@@ -94,9 +96,16 @@ fn serve(file: &BodyFile, settings: &Settings, is_over: &AtomicBool) {
     robot.end();
 }
 
-#[test]
-fn sixty_four_skins_at_100_frames_a_second_are_merged_without_loss() {
-    let seconds = std::env::var("DERMATOME_SECONDS").map_or(3, |text| text.parse().unwrap());
+/// The middle of these, and what 99 of 100 do not exceed, ms.
+fn median_and_most(mut latencies: Vec<f64>) -> (f64, f64) {
+    latencies.sort_by(f64::total_cmp);
+    let last = latencies.len() - 1;
+    (latencies[last / 2], latencies[last * 99 / 100])
+}
+
+fn main() {
+    let seconds =
+        std::env::var("DERMATOME_SECONDS").map_or(20, |text| text.parse().expect("a number of seconds"));
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("skin.toml"), SKIN).unwrap();
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
@@ -105,42 +114,36 @@ fn sixty_four_skins_at_100_frames_a_second_are_merged_without_loss() {
     let connecting = Settings { connect: endpoint, ..Settings::default() };
     let mut listener = Listener::open(Some("arm"), &listening, || false).unwrap().unwrap();
     let (is_over, mut merge) = (AtomicBool::new(false), Merge::default());
-    let (begun, mut frames_at_once) = (Instant::now(), None);
+    let mut latencies = Vec::new();
     thread::scope(|scope| {
         for computer in 0..COMPUTERS {
             let (file, connecting, is_over) = (body_file(folder.path(), computer), &connecting, &is_over);
             scope.spawn(move || serve(&file, connecting, is_over));
         }
-        while begun.elapsed() < Duration::from_secs(seconds + 2) {
-            if let Some(heard) = listener.next(Duration::from_millis(20)) {
-                merge.take(heard, Instant::now());
+        let begun = Instant::now();
+        while begun.elapsed() < START + Duration::from_secs(seconds) {
+            let Some(heard) = listener.next(Duration::from_millis(20)) else { continue };
+            // One clock for all: the computers are threads.
+            if let Heard::Contacts { contacts, received_ns, .. } = &heard
+                && begun.elapsed() > START
+            {
+                latencies.push(received_ns.saturating_sub(contacts.ended_ns) as f64 * 1e-6);
             }
-            let senses = merge.body().senses();
-            if frames_at_once.is_none() && senses.len() == COMPUTERS * SKINS {
-                let frames: u64 = senses.iter().map(|sense| sense.frames).sum();
-                frames_at_once = Some((Instant::now(), frames));
-            }
+            merge.take(heard, Instant::now());
         }
         is_over.store(true, Ordering::Relaxed);
     });
     let totals = merge.totals();
-    let (since, before) = frames_at_once.expect("all skins are heard");
-    let frames: u64 = totals.iter().map(|totals| totals.frames).sum();
-    let rate = (frames - before) as f64 / (begun + Duration::from_secs(seconds + 2) - since).as_secs_f64();
+    assert_eq!(totals.len(), COMPUTERS * SKINS, "all skins are heard");
     let lost: u64 = totals.iter().map(|totals| totals.frames_lost).sum();
-    let mut latency: Vec<(f64, f64)> =
-        totals.iter().map(|totals| totals.latency.map(|it| (it.median_ms, it.most_ms)).unwrap()).collect();
-    latency.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let most = latency.iter().map(|it| it.1).fold(0.0, f64::max);
+    let rate = latencies.len() as f64 / seconds as f64;
+    let (median, most) = median_and_most(latencies);
     println!(
-        "{} skins: {rate:.0} frames/s, {frames} came, {lost} lost, {} dropped; until they are merged: median {:.2} ms, 99 % of \
-         the worst skin {most:.2} ms",
+        "{} skins: {rate:.0} frames/s came, {lost} lost on the way, {} dropped here; end of scan to here: median {median:.2} ms, \
+         99 % {most:.2} ms",
         totals.len(),
         listener.dropped(),
-        latency[latency.len() / 2].0
     );
-    // Of 6,400: a busy machine is slower.
-    assert!(rate > 1000.0, "{rate}");
-    assert_eq!((totals.len(), lost, listener.dropped()), (COMPUTERS * SKINS, 0, 0));
+    assert_eq!((lost, listener.dropped()), (0, 0), "none is lost");
     listener.end();
 }
