@@ -10,6 +10,7 @@ two are apart. `contacts` and `Board` are meant to be used in programs of your o
 
 import argparse
 import json
+import signal
 import subprocess
 import sys
 import tempfile
@@ -25,6 +26,8 @@ import numpy as np
 TOUCHED = 0.008
 # Relative change of the conductivity in the middle of what is touched, for each newton, on a sheet of no material.
 CHANGE = 0.2
+# Where the skin is touched, as shares of half its size.
+PLACES = [[0, 0], [0.5, 0], [-0.4, 0.4], [0, -0.6], [0.3, -0.3]]
 # Of the guide that holds the finger, N/m and N s/m.
 STIFFNESS, DAMPING = 2000, 20
 
@@ -71,7 +74,15 @@ class Board:
         simulate = [program, "simulate", skin_file, "--listen", "tcp:127.0.0.1:0", "--live"]
         of_material = ["--material", material] if material else []
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        self.stream = None
         self.simulated = subprocess.Popen([*simulate, *of_material], **pipes)
+        try:
+            self._start(skin_file, program)
+        except BaseException:
+            self.close()
+            raise
+
+    def _start(self, skin_file, program):
         said = self.simulated.stdout.readline()
         if " listens at " not in said:
             sys.exit("the board did not start")
@@ -112,9 +123,17 @@ class Board:
         return None if found is None else np.array(found["position_m"])
 
     def close(self):
-        for process in [self.stream, self.simulated]:
+        processes = [process for process in [self.stream, self.simulated] if process]
+        for process in processes:
             process.terminate()
+        for process in processes:
             process.wait()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
 
 
 def with_finger(file, skin):
@@ -147,11 +166,38 @@ def touch(model, skin, place, force, seconds=1.5, data=None):
     return contacts(model, data, skin)
 
 
+def compare(model, skin, board, shares, force):
+    """Touches the skin at some places, and prints and returns what MuJoCo and the board say."""
+    site = model.site(skin)
+    found = []
+    print("            MuJoCo, mm               force/N           board, mm               apart/mm")
+    for share in shares:
+        place = site.pos[:2] + np.array(share) * site.size[:2]
+        touches = touch(model, skin, place, force)
+        board.press(touches)
+        board.settle()
+        felt = board.strongest()
+        board.press([])
+        board.settle()
+        if not touches:
+            sys.exit(f"the finger does not touch the skin at {share}")
+        where, normal = touches[0]
+        where = in_link(model, skin, where)
+        apart = None if felt is None else float(np.linalg.norm(felt - where))
+        seen = None if felt is None else felt.tolist()
+        found.append({"touched_m": where.tolist(), "force_n": normal, "felt_m": seen, "apart_m": apart})
+        shown = lambda place: " ".join(f"{1e3 * value:8.2f}" for value in place)
+        seen = "nothing" if felt is None else f"{shown(felt)}   {1e3 * apart:8.2f}"
+        print(f"{shown(where)}   {normal:8.2f}   {seen}", flush=True)
+    return found
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("model", type=Path, help="MJCF file with the skin")
     parser.add_argument("skin", type=Path, help="skin file")
     parser.add_argument("--material", type=Path, help="of the simulated sheet, one of models/materials")
+    parser.add_argument("--name", help="of the skin in the model, if it is not that in the skin file")
     parser.add_argument("--program", default="dermatome")
     parser.add_argument("--force", type=float, default=3.0, help="with which the finger presses, N")
     parser.add_argument("--json", type=Path, help="also write what was found there")
@@ -162,31 +208,12 @@ def main():
         help="a place X,Y, as a share of half the skin's size; may be repeated",
     )
     options = parser.parse_args()
-    skin = tomllib.loads(options.skin.read_text())["name"]
+    # What ends this program ends its board too.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    skin = options.name or tomllib.loads(options.skin.read_text())["name"]
     model = with_finger(options.model, skin)
-    site = model.site(skin)
-    board = Board(options.skin, options.material, options.program)
-    found = []
-    print("            MuJoCo, mm               force/N           board, mm               apart/mm")
-    for share in options.at or [[0, 0], [0.5, 0], [-0.4, 0.4], [0, -0.6], [0.3, -0.3]]:
-        place = site.pos[:2] + np.array(share) * site.size[:2]
-        touches = touch(model, skin, place, options.force)
-        board.press(touches)
-        board.settle()
-        felt = board.strongest()
-        board.press([])
-        board.settle()
-        if not touches:
-            sys.exit(f"the finger does not touch the skin at {share}")
-        where, force = touches[0]
-        where = in_link(model, skin, where)
-        apart = None if felt is None else float(np.linalg.norm(felt - where))
-        seen = None if felt is None else felt.tolist()
-        found.append({"touched_m": where.tolist(), "force_n": force, "felt_m": seen, "apart_m": apart})
-        shown = lambda place: " ".join(f"{1e3 * value:8.2f}" for value in place)
-        seen = "nothing" if felt is None else f"{shown(felt)}   {1e3 * apart:8.2f}"
-        print(f"{shown(where)}   {force:8.2f}   {seen}", flush=True)
-    board.close()
+    with Board(options.skin, options.material, options.program) as board:
+        found = compare(model, skin, board, options.at or PLACES, options.force)
     if options.json:
         options.json.write_text(json.dumps(found))
 

@@ -3,6 +3,7 @@
 
 mod program;
 
+use dermatome::body::file::BodyFile;
 use program::{Desk, TINY, shape, transcript};
 use serde_json::Value;
 use std::{io::Write, process::Command};
@@ -59,12 +60,78 @@ fn a_skin_becomes_a_link_and_the_rest_of_the_robot_stays() {
     assert_eq!(text(&desk, "hand.urdf"), out);
     desk.run(&["urdf", "add", "hand.urdf", "skin.toml", "--replace"]).success();
     assert_eq!(text(&desk, "hand.urdf"), out);
-    let elsewhere = ["--mesh", "assets/tiny.stl", "--replace", "--name", "palm_skin"];
+    let elsewhere = ["--mesh", "assets/tiny.stl", "--replace"];
     desk.run(&[&["urdf", "add", "hand.urdf", "skin.toml"], &elsewhere[..]].concat()).success();
     assert!(text(&desk, "hand.urdf").contains("<mesh filename=\"assets/tiny.stl\"/>"));
+    // The mesh is replaced where it lies.
+    std::fs::remove_file(desk.path("tiny.stl")).unwrap();
+    let there = text(&desk, "hand.urdf");
+    let thin = desk.read("assets/tiny.stl");
+    desk.run(&["urdf", "add", "hand.urdf", "skin.toml", "--replace", "--thickness", "2 mm"]).success();
+    assert_eq!(text(&desk, "hand.urdf"), there);
+    assert!(!desk.path("tiny.stl").exists() && desk.read("assets/tiny.stl") != thin);
     let uri = "package://hand&co/tiny.stl";
     desk.run(&["urdf", "add", "hand.urdf", "skin.toml", "--replace", "--mesh-uri", uri]).success();
     assert!(text(&desk, "hand.urdf").contains("filename=\"package://hand&amp;co/tiny.stl\""));
+}
+
+#[test]
+fn one_skin_file_is_on_a_robot_twice_under_names_of_their_own() {
+    let desk = desk();
+    let add = |name: &str, link: &str, more: &[&str]| {
+        let words = ["urdf", "add", "hand.urdf", "skin.toml", "--name", name, "--link", link];
+        desk.run(&[&words, more].concat())
+    };
+    add("left", "palm", &[]).success();
+    add("right", "arm", &[]).success();
+    let both = text(&desk, "hand.urdf");
+    assert!(desk.path("left.stl").is_file() && desk.path("right.stl").is_file());
+    let said = add("left", "palm", &[]).err;
+    assert!(
+        said.contains("skin \"left\" is there already; allowed: another `--name`, or `--replace`"),
+        "{said}"
+    );
+    desk.run(&["urdf", "check", "hand.urdf", "skin.toml", "--json", "check.json"]).success();
+    let checked = desk.report("check.json");
+    let skins = [0, 1].map(|at| ["skin", "frame", "link"].map(|key| checked["skins"][at][key].clone()));
+    assert_eq!(skins, [["tiny", "left", "palm"], ["tiny", "right", "arm"]]);
+    let odd = "link \"palm\" moves and has no `inertial`: Gazebo leaves it out";
+    assert_eq!(checked["findings"].as_array().unwrap().len(), 1, "{checked}");
+    assert_eq!(checked["findings"][0]["message"], odd);
+    read_by_urdfdom(&desk, &[":  right", ":  left"]);
+    let body = |patches: &str| format!("name = \"r\"\nurdf = \"hand.urdf\"\n{patches}");
+    let patch = |name: &str, link: &str| {
+        format!(
+            "[[patches]]\nname = {name:?}\nlink = {link:?}\nskin = \"skin.toml\"\nport = \"sim:skin.toml\"\n"
+        )
+    };
+    desk.write("body.toml", body(&(patch("left", "palm") + &patch("right", "arm"))));
+    BodyFile::load(&desk.path("body.toml")).unwrap();
+    add("right", "arm", &["--replace", "--thickness", "2 mm"]).success();
+    assert_eq!(text(&desk, "hand.urdf"), both);
+    assert!(desk.read("left.stl") != desk.read("right.stl"));
+    // Neither lies where the file says.
+    desk.write("hand.urdf", both.replace("0.01 -0.02 0.3", "0.02 -0.02 0.3"));
+    let said = desk.run(&["urdf", "check", "hand.urdf", "skin.toml"]);
+    assert!(said.err.contains("2 things are wrong"), "{} {}", said.out, said.err);
+}
+
+#[test]
+fn one_skin_file_is_on_a_model_twice_under_names_of_their_own() {
+    let desk = desk();
+    for (name, body) in [("left", "palm"), ("right", "world")] {
+        let add = ["mjcf", "add", "hand.xml", "skin.toml", "--taxels", "3", "--name", name, "--body", body];
+        desk.run(&add).success();
+        assert!(desk.path("assets").join(format!("{name}.stl")).is_file());
+        let said = desk.run(&add).err;
+        assert!(said.contains(&format!("skin {name:?} is there already")), "{said}");
+    }
+    let both = text(&desk, "hand.xml");
+    assert_eq!(both.matches("<touch").count(), 8, "{both}");
+    assert!(!both.contains("tiny"), "{both}");
+    let replace = ["mjcf", "add", "hand.xml", "skin.toml", "--name", "left", "--replace"];
+    desk.run(&replace).success();
+    assert_eq!(text(&desk, "hand.xml").matches("right").count(), both.matches("right").count());
 }
 
 #[test]
@@ -250,10 +317,14 @@ fn errors_of_robots() {
 fn urdfdom_reads_the_robot_with_its_skin() {
     let desk = desk();
     desk.run(&["urdf", "add", "hand.urdf", "skin.toml"]).success();
+    read_by_urdfdom(&desk, &["child(1):  tiny"]);
+}
+
+fn read_by_urdfdom(desk: &Desk, wanted: &[&str]) {
     match Command::new("check_urdf").arg(desk.path("hand.urdf")).output() {
         Ok(read) => {
             let said = String::from_utf8_lossy(&read.stdout);
-            assert!(read.status.success() && said.contains("child(1):  tiny"), "{said}");
+            assert!(read.status.success() && wanted.iter().all(|it| said.contains(it)), "{said}");
         }
         Err(error) => {
             println!("not run: check_urdf ({error}); ./test installs it, and has other programs read it too");

@@ -40,8 +40,8 @@ pub enum DescriptionError {
         /// Those that are there.
         allowed: String,
     },
-    /// The skin is there already.
-    #[error("line {line}: skin {name:?} is there already; allowed: another skin, or `replace`")]
+    /// A skin of this name is there already.
+    #[error("line {line}: skin {name:?} is there already; allowed: another `name`, or `replace`")]
     Skin {
         /// Where.
         line: u32,
@@ -81,11 +81,10 @@ impl DescriptionError {
 }
 
 /// Names as an error lists them.
-pub(crate) fn names<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    let all: Vec<_> = names.collect();
-    let shown: Vec<_> = all.iter().take(MOST_NAMES).map(|name| format!("{name:?}")).collect();
-    match all.len().saturating_sub(MOST_NAMES) {
-        0 if all.is_empty() => "none".to_owned(),
+pub(crate) fn names<'a>(mut names: impl Iterator<Item = &'a str>) -> String {
+    let shown: Vec<_> = names.by_ref().take(MOST_NAMES).map(|name| format!("{name:?}")).collect();
+    match names.count() {
+        0 if shown.is_empty() => "none".to_owned(),
         0 => shown.join(", "),
         more => format!("{} and {more} more", shown.join(", ")),
     }

@@ -1,7 +1,7 @@
 //! Skins in descriptions of robots: [`urdf`] for ROS and its tools, [`mjcf`] for MuJoCo.
 //!
 //! A skin is a link, or a body, of its own that is fixed to the one it lies on, with a [`slab`] for its mesh, and a
-//! sensor of its name. What is added is text put into the file: the rest of it stays as it was, byte for byte, with its
+//! sensor, all of its name on the robot. What is added is text put into the file: the rest of it stays as it was, byte for byte, with its
 //! comments and its line ends. XML is read by `roxmltree`, which tells where everything stands. The crate `urdf-rs` (0.10)
 //! does not: its structs keep neither places nor elements they do not know, and it takes two more XML parsers along.
 #![forbid(unsafe_code)]
@@ -21,9 +21,9 @@ pub use place::link_from_skin;
 /// A skin as it is put on a robot.
 #[derive(Clone, Debug)]
 pub struct Mount<'a> {
-    /// The skin's name, which its sensor gets.
+    /// Name in its skin file: a robot may have several of one.
     pub skin: &'a str,
-    /// Name of its own link or body: its frame.
+    /// Its name on the robot, which no other has: that of its link or body, which is its frame, and of its sensor.
     pub frame: &'a str,
     /// The link or body that it lies on.
     pub on: &'a str,

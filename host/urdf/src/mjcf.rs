@@ -17,6 +17,7 @@ use crate::{
 use dermatome_geometry::mesh::Mesh;
 use nalgebra::{Point3, Vector3};
 use roxmltree::Node;
+use std::collections::BTreeSet;
 
 /// The world's own body.
 const WORLD: &str = "world";
@@ -54,7 +55,17 @@ pub fn mesh_folder(text: &str) -> Result<Option<String>, DescriptionError> {
     Ok(said("meshdir").or_else(|| said("assetdir")))
 }
 
-/// The text of a model with a skin on one of its bodies. One of that name that is there already is refused, or replaced.
+/// How a model names the mesh file of a skin that is on it.
+pub fn mesh_of(text: &str, name: &str) -> Result<Option<String>, DescriptionError> {
+    let readable = readable(text);
+    let document = parse(&readable)?;
+    let model = root_of(&document)?;
+    let parts = sensor_of(model, name).map(|sensor| of_skin(model, sensor)).transpose()?.unwrap_or_default();
+    let mesh = parts.into_iter().find(|node| is(*node, "mesh"));
+    Ok(mesh.and_then(|mesh| mesh.attribute("file")).map(str::to_owned))
+}
+
+/// The text of a model with a skin on one of its bodies. One whose name on the robot is the same is refused, or replaced.
 pub fn add(
     text: &str,
     mount: &Mount<'_>,
@@ -67,18 +78,21 @@ pub fn add(
     let model = root_of(&document)?;
     let mut edits = Edits::new(text);
     let mut gone = Vec::new();
-    if let Some(sensor) = sensor_of(model, mount.skin) {
+    if let Some(sensor) = sensor_of(model, mount.frame) {
         if !replace {
-            return Err(DescriptionError::Skin { line: line(sensor), name: mount.skin.to_owned() });
+            return Err(DescriptionError::Skin { line: line(sensor), name: mount.frame.to_owned() });
         }
         gone = of_skin(model, sensor)?;
         gone.iter().for_each(|node| edits.remove(*node));
     }
     let is_left = |node: &Node<'_, '_>| !node.ancestors().any(|outer| gone.contains(&outer));
-    let named = |name: &str| {
-        model.descendants().filter(is_left).find(|it| clashes(*it) && it.attribute("name") == Some(name))
+    let of_taxels: BTreeSet<_> = taxel_names(mount, taxels).collect();
+    let is_taken = |node: &Node<'_, '_>| {
+        let is_of_taxel = |name| ["site", "sensor"].contains(&kind(*node)) && of_taxels.contains(name);
+        let is_needed = |name| name == mount.frame || is_of_taxel(name);
+        clashes(*node) && node.attribute("name").is_some_and(is_needed)
     };
-    if let Some(other) = named(mount.frame).or_else(|| named(mount.skin)) {
+    if let Some(other) = model.descendants().filter(is_left).find(is_taken) {
         let name = other.attribute("name").unwrap_or_default().to_owned();
         return Err(DescriptionError::Taken { line: line(other), kind: kind(other), name });
     }
@@ -118,12 +132,12 @@ fn absent(model: Node<'_, '_>, name: &str, there: &str) -> DescriptionError {
     DescriptionError::Absent { kind: "body", name: name.to_owned(), allowed: format!("{there}{elsewhere}") }
 }
 
-/// The touch sensor of a skin.
-fn sensor_of<'a, 'input>(model: Node<'a, 'input>, skin: &str) -> Option<Node<'a, 'input>> {
-    let touch = model.descendants().filter(|node| is(*node, "touch"));
-    touch
-        .into_iter()
-        .find(|node| node.attribute("name") == Some(skin) && node.attribute("site") == Some(skin))
+/// The touch sensor of a skin, and not that of a taxel.
+fn sensor_of<'a, 'input>(model: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
+    let is_named = |node: Node<'_, '_>, kind: &str| is(node, kind) && node.attribute("name") == Some(name);
+    let site = model.descendants().find(|node| is_named(*node, "site"))?;
+    site.parent().filter(|body| is_named(*body, "body"))?;
+    model.descendants().find(|node| is_named(*node, "touch") && node.attribute("site") == Some(name))
 }
 
 /// All of a skin: its body, its sensors and its mesh, and sections that hold nothing else.
@@ -166,8 +180,13 @@ fn kind(node: Node<'_, '_>) -> &'static str {
     kinds.into_iter().find(|kind| is(node, kind)).unwrap_or("sensor")
 }
 
+/// Names of the taxels' sites and sensors.
+fn taxel_names(mount: &Mount<'_>, taxels: &Spread) -> impl Iterator<Item = String> {
+    (0..taxels.points.len()).map(|at| format!("{}_{at}", mount.frame))
+}
+
 fn body_lines(mount: &Mount<'_>, zone: Zone, taxels: &Spread) -> Vec<String> {
-    let [skin, frame] = [mount.skin, mount.frame].map(escaped);
+    let frame = escaped(mount.frame);
     let [pos, quat] = pos_quat(&mount.link_from_skin());
     let [middle, size] = [zone.middle.coords, zone.half_size].map(|it| numbers(it.iter().copied()));
     let mut lines = vec![
@@ -175,30 +194,31 @@ fn body_lines(mount: &Mount<'_>, zone: Zone, taxels: &Spread) -> Vec<String> {
         format!(
             r#"  <geom name="{frame}" type="mesh" mesh="{frame}" mass="0" contype="1" conaffinity="1" rgba="0.2 0.2 0.25 1"/>"#
         ),
-        format!(r#"  <site name="{skin}" type="box" pos="{middle}" size="{size}" group="4"/>"#),
+        format!(r#"  <site name="{frame}" type="box" pos="{middle}" size="{size}" group="4"/>"#),
     ];
     let radius = number(taxels.radius + MARGIN);
-    lines.extend(taxels.points.iter().enumerate().map(|(at, point)| {
-        let pos = numbers(point.coords.iter().copied());
-        format!(r#"  <site name="{skin}_{at}" type="sphere" pos="{pos}" size="{radius}" group="4"/>"#)
+    lines.extend(taxels.points.iter().zip(taxel_names(mount, taxels)).map(|(point, name)| {
+        let (name, pos) = (escaped(&name), numbers(point.coords.iter().copied()));
+        format!(r#"  <site name="{name}" type="sphere" pos="{pos}" size="{radius}" group="4"/>"#)
     }));
     lines.push("</body>".to_owned());
     lines
 }
 
 fn rest_lines(mount: &Mount<'_>, taxels: &Spread) -> Vec<String> {
-    let [skin, frame, mesh] = [mount.skin, mount.frame, mount.mesh].map(escaped);
+    let [frame, mesh] = [mount.frame, mount.mesh].map(escaped);
     let mut lines = vec![
         "<asset>".to_owned(),
         // The model's defaults may scale its own meshes.
         format!(r#"  <mesh name="{frame}" file="{mesh}" scale="1 1 1"/>"#),
         "</asset>".to_owned(),
         "<sensor>".to_owned(),
-        format!(r#"  <touch name="{skin}" site="{skin}"/>"#),
+        format!(r#"  <touch name="{frame}" site="{frame}"/>"#),
     ];
-    lines.extend(
-        (0..taxels.points.len()).map(|at| format!(r#"  <touch name="{skin}_{at}" site="{skin}_{at}"/>"#)),
-    );
+    lines.extend(taxel_names(mount, taxels).map(|name| {
+        let name = escaped(&name);
+        format!(r#"  <touch name="{name}" site="{name}"/>"#)
+    }));
     lines.push("</sensor>".to_owned());
     lines
 }
@@ -261,6 +281,30 @@ mod tests {
         assert!(
             held != once && matches!(made(&held, "base", 0, true), Err(DescriptionError::Inhabited { .. }))
         );
+    }
+
+    #[test]
+    fn one_skin_file_is_on_a_model_twice_by_names_of_their_own() {
+        let named = |text: &str, frame: &str, taxels: usize, replace: bool| {
+            let pose = Pose { link: "base".into(), position: [0.0; 3], orientation: [0.0, 0.0, 0.0, 1.0] };
+            let mount = Mount { skin: "palm", frame, on: "base", pose: &pose, mesh: frame, frame_rate: 50.0 };
+            let zone = Zone { middle: Point3::origin(), half_size: Vector3::new(0.1, 0.1, 0.003) };
+            let taxels = Spread { points: vec![Point3::origin(); taxels], radius: 0.02 };
+            add(text, &mount, zone, &taxels, replace)
+        };
+        let left = named(MODEL, "left", 3, false).unwrap();
+        let both = named(&left, "right", 3, false).unwrap();
+        assert!(!both.contains("palm"), "{both}");
+        assert_eq!(mesh_of(&both, "right"), Ok(Some("right".to_owned())));
+        assert_eq!((mesh_of(&both, "palm"), mesh_of(&both, "left_0")), (Ok(None), Ok(None)));
+        assert!(matches!(named(&both, "left", 3, false), Err(DescriptionError::Skin { .. })));
+        let anew = named(&both, "left", 0, true).unwrap();
+        assert_eq!(anew.matches("\"right").count(), both.matches("\"right").count());
+        assert!(!anew.contains("left_0"), "{anew}");
+        // A taxel is no skin, and takes no name of one.
+        assert!(matches!(named(&both, "left_0", 0, true), Err(DescriptionError::Taken { kind: "site", .. })));
+        let first = named(MODEL, "left_0", 0, false).unwrap();
+        assert!(matches!(named(&first, "left", 1, false), Err(DescriptionError::Taken { kind: "site", .. })));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::{
     JsonReport,
-    mount::{Options, in_file},
+    mount::{Format, Options, in_file},
 };
 use dermatome_urdf::mjcf::{self, Zone};
 use std::path::PathBuf;
@@ -58,7 +58,8 @@ struct Add {
 }
 
 pub(super) fn run(Args { what: What::Add(args) }: &Args) -> anyhow::Result<()> {
-    let mounting = args.options.mounting(&args.robot, &args.skin, args.body.as_deref(), mjcf::mesh_folder)?;
+    let format = Format { folder: mjcf::mesh_folder, mesh_of: mjcf::mesh_of };
+    let mounting = args.options.mounting(&args.robot, &args.skin, args.body.as_deref(), &format)?;
     let taxels = mounting.surface.spread(args.taxels.into());
     let zone = Zone::round(&mounting.slab);
     let robot = mjcf::add(&mounting.text, &mounting.mount(), zone, &taxels, mounting.replace);

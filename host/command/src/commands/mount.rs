@@ -18,7 +18,11 @@ use dermatome_patch::{
     input,
     output::{check_folder, write_together},
 };
-use dermatome_urdf::{DescriptionError, Mount, slab::Surface};
+use dermatome_urdf::{
+    DescriptionError, Mount,
+    slab::Surface,
+    urdf::check::{Places, packages_of_ros},
+};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -28,13 +32,15 @@ const FLAGS: [(&str, &str); 4] =
 
 #[derive(clap::Args)]
 pub(super) struct Options {
-    /// Name of the skin's own frame on the robot [default: the skin's name, which is its frame in recordings too].
+    /// Name of the skin on the robot, which no other has, and of its own frame [default: the name in the skin file, which is
+    /// its frame in recordings too].
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
     /// Thickness of the mesh, which lies on the link with its underside.
     #[arg(long, value_name = "LENGTH", default_value = "1 mm", allow_hyphen_values = true)]
     thickness: String,
-    /// File of the skin's mesh, STL in metres [default: the frame's name, where the robot looks for it].
+    /// File of the skin's mesh, STL in metres [default: the skin's name on the robot, where that looks for it,
+    /// or the file of the skin that is replaced].
     #[arg(long, value_name = "FILE", value_parser = Kind::Mesh.parser())]
     mesh: Option<Output>,
     /// How the robot names that file, such as package://arm_description/meshes/skin.stl [default: its relative path].
@@ -43,7 +49,7 @@ pub(super) struct Options {
     /// Write the robot with its skin there; without it the skin is added to ROBOT itself.
     #[arg(short, long, value_name = "FILE", value_parser = Kind::Robot.parser())]
     output: Option<Output>,
-    /// Replace the skin of this name that is on the robot already.
+    /// Replace the skin of this name on the robot, and its mesh file where it lies.
     #[arg(long)]
     replace: bool,
 }
@@ -63,6 +69,14 @@ pub(super) struct Mounting {
     out: PathBuf,
     mesh: PathBuf,
     uri: String,
+}
+
+/// What a format says of mesh files.
+pub(super) struct Format {
+    /// In which folder, relative to its own, a robot's text looks for them.
+    pub(super) folder: fn(&str) -> Result<Option<String>, DescriptionError>,
+    /// How it names that of a skin.
+    pub(super) mesh_of: fn(&str, &str) -> Result<Option<String>, DescriptionError>,
 }
 
 /// What was put where; keys are documented in docs/cli.md.
@@ -95,18 +109,17 @@ pub(super) fn in_file(path: &Path, error: DescriptionError) -> anyhow::Error {
 }
 
 impl Options {
-    /// Reads robot and skin, and says where everything goes. `folder` tells from the robot's text in which folder, relative
-    /// to its own, it looks for meshes.
+    /// Reads robot and skin, and says where everything goes.
     pub(super) fn mounting(
         &self,
         robot: &Path,
         skin: &Path,
         on: Option<&str>,
-        folder: impl FnOnce(&str) -> Result<Option<String>, DescriptionError>,
+        format: &Format,
     ) -> anyhow::Result<Mounting> {
         let thickness = self.thickness()?;
         let text = read_robot(robot)?;
-        let folder = folder(&text).map_err(|error| in_file(robot, error))?;
+        let folder = (format.folder)(&text).map_err(|error| in_file(robot, error))?;
         let out = self.output.as_deref().unwrap_or(robot).to_owned();
         ensure!(
             self.output.is_some() || is_ordinary(robot),
@@ -117,7 +130,9 @@ impl Options {
         let (of_file, pose) = on_link(skin)?;
         let frame = self.name.as_deref().unwrap_or(&of_file.name).to_owned();
         ensure!(!frame.is_empty(), "`--name` is \"\"; allowed: a name");
-        let (mesh_path, uri) = self.mesh_of(&out, folder.as_deref().unwrap_or(""), &frame)?;
+        let replaced = if self.replace { (format.mesh_of)(&text, &frame) } else { Ok(None) };
+        let replaced = replaced.map_err(|error| in_file(robot, error))?;
+        let (mesh_path, uri) = self.mesh_of(&out, folder.as_deref().unwrap_or(""), &frame, replaced)?;
         let mesh = mesh(&of_file, 1.0, Lattice::default())
             .with_context(|| format!("skin file `{}`", skin.display()))?;
         let surface = Surface::of(&mesh);
@@ -148,8 +163,14 @@ impl Options {
         })
     }
 
-    /// The mesh's file, and its name in the robot.
-    fn mesh_of(&self, robot: &Path, folder: &str, frame: &str) -> anyhow::Result<(PathBuf, String)> {
+    /// The mesh's file, and its name in the robot: those of the mesh that it replaces, if that is there.
+    fn mesh_of(
+        &self,
+        robot: &Path,
+        folder: &str,
+        frame: &str,
+        replaced: Option<String>,
+    ) -> anyhow::Result<(PathBuf, String)> {
         ensure!(
             is_ordinary(robot) || self.mesh.is_some(),
             "`{}` is no ordinary file, beside which the mesh could lie; allowed: to say where, by `--mesh`",
@@ -158,14 +179,21 @@ impl Options {
         let base = robot.parent().unwrap_or(Path::new("")).join(folder);
         let name: String =
             frame.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
-        let path = by_default("--mesh", self.mesh.as_ref(), base.join(format!("{name}.stl")), Kind::Mesh)?;
+        let packages = packages_of_ros();
+        let places = Places { folder: &base, packages: &packages };
+        let replaced = replaced.filter(|_| self.mesh.is_none());
+        let replaced = replaced.and_then(|uri| Some((places.find(&uri)?, uri)));
+        let (default, old_uri) = replaced
+            .map_or_else(|| (base.join(format!("{name}.stl")), None), |(path, uri)| (path, Some(uri)));
+        let path = by_default("--mesh", self.mesh.as_ref(), default, Kind::Mesh)?;
         check_folder(&path)?;
-        let uri = match &self.mesh_uri {
-            Some(uri) => {
+        let uri = match (&self.mesh_uri, old_uri) {
+            (Some(uri), _) => {
                 ensure!(!uri.is_empty(), "`--mesh-uri` is \"\"; allowed: a path or a URI");
                 uri.clone()
             }
-            None => relative(&path, &base)?,
+            (None, Some(uri)) => uri,
+            (None, None) => relative(&path, &base)?,
         };
         Ok((path, uri))
     }

@@ -42,6 +42,12 @@ pub fn packages_of_ros() -> Vec<PathBuf> {
 }
 
 impl Places<'_> {
+    /// The file that a URI means, if it is there.
+    #[must_use]
+    pub fn find(&self, uri: &str) -> Option<PathBuf> {
+        self.file(uri).ok().filter(|path| path.is_file())
+    }
+
     /// The file that a URI means, whether it is there or not.
     pub(super) fn file(&self, uri: &str) -> Result<PathBuf, Unknown> {
         match uri.split_once("://") {

@@ -18,10 +18,10 @@ use crate::{
     edit::{Edits, children, escaped, line, parse, readable},
     place::{number, xyz_rpy},
 };
-use robot::{is_skin, joints_onto, joints_under, named, root_of};
+use robot::{is_skin, joints_onto, joints_under, link_in, named, root_of};
 use roxmltree::Node;
 
-/// The text of a robot with a skin on it. One of that name that is there already is refused, or replaced: its link with
+/// The text of a robot with a skin on it. One whose name on the robot is the same is refused, or replaced: its link with
 /// all that is in it, its joint and its sensor.
 pub fn add(text: &str, mount: &Mount<'_>, replace: bool) -> Result<String, DescriptionError> {
     let readable = readable(text);
@@ -29,15 +29,15 @@ pub fn add(text: &str, mount: &Mount<'_>, replace: bool) -> Result<String, Descr
     let robot = root_of(&document)?;
     let mut edits = Edits::new(text);
     let mut gone = Vec::new();
-    if let Some(sensor) = named(robot, "sensor", mount.skin).find(|sensor| is_skin(*sensor)) {
+    if let Some(sensor) = sensor_of(robot, mount.frame) {
         if !replace {
-            return Err(DescriptionError::Skin { line: line(sensor), name: mount.skin.to_owned() });
+            return Err(DescriptionError::Skin { line: line(sensor), name: mount.frame.to_owned() });
         }
         gone = of_skin(robot, sensor, mount)?;
         gone.iter().for_each(|node| edits.remove(*node));
     }
     let is_left = |node: &Node<'_, '_>| !gone.contains(node);
-    for (kind, name) in [("link", mount.frame), ("joint", &*joint_name(mount)), ("sensor", mount.skin)] {
+    for (kind, name) in [("link", mount.frame), ("joint", &*joint_name(mount)), ("sensor", mount.frame)] {
         if let Some(other) = named(robot, kind, name).find(is_left) {
             return Err(DescriptionError::Taken { line: line(other), kind, name: name.to_owned() });
         }
@@ -50,13 +50,29 @@ pub fn add(text: &str, mount: &Mount<'_>, replace: bool) -> Result<String, Descr
     Ok(edits.made())
 }
 
+/// How a robot names the mesh file of a skin that is on it.
+pub fn mesh_of(text: &str, name: &str) -> Result<Option<String>, DescriptionError> {
+    let readable = readable(text);
+    let document = parse(&readable)?;
+    let robot = root_of(&document)?;
+    let frame = sensor_of(robot, name).and_then(|sensor| link_in(sensor, "parent"));
+    let link = frame.and_then(|frame| named(robot, "link", frame).next());
+    let mesh = link.and_then(|link| meshes::of_link(link, "visual").into_iter().next());
+    Ok(mesh.map(|mesh| mesh.uri.to_owned()))
+}
+
+/// The sensor of a skin.
+fn sensor_of<'a, 'input: 'a>(robot: Node<'a, 'input>, name: &'a str) -> Option<Node<'a, 'input>> {
+    named(robot, "sensor", name).find(|sensor| is_skin(*sensor))
+}
+
 /// All elements of a skin that is there: its sensor, its link, its joint.
 fn of_skin<'a, 'input>(
     robot: Node<'a, 'input>,
     sensor: Node<'a, 'input>,
     mount: &Mount<'_>,
 ) -> Result<Vec<Node<'a, 'input>>, DescriptionError> {
-    let frame = robot::link_in(sensor, "parent").unwrap_or_default();
+    let frame = link_in(sensor, "parent").unwrap_or_default();
     let holds_more = joints_under(robot, frame).next().filter(|_| frame != mount.frame);
     if let Some(joint) = holds_more {
         return Err(DescriptionError::Inhabited { line: line(joint), kind: "link", name: frame.to_owned() });
@@ -74,6 +90,8 @@ fn lines(mount: &Mount<'_>) -> Vec<String> {
     let joint = escaped(&joint_name(mount));
     let [xyz, rpy] = xyz_rpy(&mount.link_from_skin());
     let rate = number(mount.frame_rate);
+    // `robot::design` reads it.
+    let design = if mount.skin == mount.frame { String::new() } else { format!(r#" skin="{skin}""#) };
     let text = format!(
         r#"<link name="{frame}">
   <visual>
@@ -90,10 +108,10 @@ fn lines(mount: &Mount<'_>) -> Vec<String> {
   <child link="{frame}"/>
   <origin xyz="{xyz}" rpy="{rpy}"/>
 </joint>
-<sensor name="{skin}" update_rate="{rate}">
+<sensor name="{frame}" update_rate="{rate}">
   <parent link="{frame}"/>
   <origin xyz="0 0 0" rpy="0 0 0"/>
-  <tactile channel="{skin}">
+  <tactile channel="{frame}"{design}>
     <taxel idx="0" xyz="0 0 0" rpy="0 0 0">
       <geometry>
         <mesh filename="{mesh}"/>
@@ -146,15 +164,42 @@ mod tests {
         let refused = add(&once, &mount(&pose, "base"), false).unwrap_err();
         assert!(matches!(refused, DescriptionError::Skin { line: 21, .. }), "{refused}");
         assert_eq!(add(&once, &mount(&pose, "base"), true).unwrap(), once);
-        let renamed = add(&once, &Mount { frame: "hand", ..mount(&pose, "base") }, true).unwrap();
-        assert_eq!(renamed.matches("palm\"").count(), 2, "{renamed}");
         let mut held = once.clone();
         let camera =
             "<link name='c'/><joint name='j' type='fixed'><parent link='palm'/><child link='c'/></joint>";
         held.insert_str(held.find("</robot>").unwrap(), camera);
         add(&held, &mount(&pose, "base"), true).unwrap();
-        let refused = add(&held, &Mount { frame: "hand", ..mount(&pose, "base") }, true).unwrap_err();
+        let elsewhere = held.replace("=\"palm\"/>", "=\"base\"/>").replace("link='palm'", "link='base'");
+        let refused = add(&elsewhere, &mount(&pose, "base"), true).unwrap_err();
         assert!(matches!(refused, DescriptionError::Inhabited { .. }), "{refused}");
+    }
+
+    #[test]
+    fn one_skin_file_is_on_a_robot_twice_by_names_of_their_own() {
+        let pose = pose();
+        let one = |name| Mount { frame: name, mesh: name, ..mount(&pose, "base") };
+        let left = add(ROBOT, &one("left"), false).unwrap();
+        let both = add(&left, &one("right"), false).unwrap();
+        assert!(both.contains("<tactile channel=\"right\" skin=\"palm\">"), "{both}");
+        assert_eq!(mesh_of(&both, "right"), Ok(Some("right".to_owned())));
+        assert_eq!((mesh_of(&both, "palm"), mesh_of(ROBOT, "left")), (Ok(None), Ok(None)));
+        assert!(matches!(add(&both, &one("left"), false), Err(DescriptionError::Skin { .. })));
+        assert_eq!(add(&both, &one("right"), true).unwrap(), both);
+        // What is replaced goes to the end.
+        let anew = add(&both, &Mount { mesh: "new", ..one("left") }, true).unwrap();
+        assert_eq!(mesh_of(&anew, "left"), Ok(Some("new".to_owned())));
+        assert_eq!(anew.matches("\"right\"").count(), both.matches("\"right\"").count());
+        let places = check::Places { folder: std::path::Path::new("."), packages: &[] };
+        let robot = left.replace("<mesh filename=\"left\"/>", "<sphere radius='1'/>");
+        let skins = tree::Robot::read(&hung(&robot), &places).unwrap().skins;
+        assert_eq!([(&*skins[0].name, &*skins[0].frame)], [("palm", "left")]);
+    }
+
+    /// The robot's two links as one tree.
+    fn hung(robot: &str) -> String {
+        let joint =
+            "<joint name='j' type='fixed'><parent link='base'/><child link='a&lt;b'/></joint></robot>";
+        robot.replace("</robot>", joint)
     }
 
     #[test]

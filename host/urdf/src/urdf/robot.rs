@@ -50,6 +50,13 @@ pub(super) fn is_skin(sensor: Node<'_, '_>) -> bool {
     children(sensor, "tactile").next().is_some()
 }
 
+/// Name of the skin file of a skin, which is that of its sensor unless that says another.
+pub(super) fn design<'a>(sensor: Node<'a, '_>) -> &'a str {
+    let tactile = sensor.children().find(|child| is(*child, "tactile"));
+    let said = tactile.and_then(|tactile| tactile.attribute("skin"));
+    said.or_else(|| sensor.attribute("name")).unwrap_or_default()
+}
+
 /// The link that a joint's `parent` or `child`, or a sensor's `parent`, names.
 pub(super) fn link_in<'a>(node: Node<'a, '_>, which: &str) -> Option<&'a str> {
     node.children().find(|child| is(*child, which))?.attribute("link")

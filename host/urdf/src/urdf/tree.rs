@@ -3,7 +3,7 @@
 use super::{
     check::{Finding, Level, Places, apart, check},
     meshes::{of_link, origin},
-    robot::{is_skin, joints_onto, link_in, number, root_of, triple},
+    robot::{design, is_skin, joints_onto, link_in, number, root_of, triple},
     solids,
 };
 use crate::{
@@ -68,9 +68,9 @@ pub enum Motion {
 /// A skin on a robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skin {
-    /// Its name.
+    /// Name of its skin file, which others on the robot may have too.
     pub name: String,
-    /// Its own link, which shows it.
+    /// Its own link, which shows it, and whose name is the skin's own on the robot.
     pub frame: String,
     /// The link that it lies on.
     pub link: String,
@@ -221,7 +221,7 @@ fn skin(robot: Node<'_, '_>, sensor: Node<'_, '_>) -> Option<Skin> {
     let frame = link_in(sensor, "parent")?;
     let joint = joints_onto(robot, frame).next()?;
     Some(Skin {
-        name: attribute(sensor, "name"),
+        name: design(sensor).to_owned(),
         frame: frame.to_owned(),
         link: link_in(joint, "parent")?.to_owned(),
         link_from_skin: origin(joint).ok()?,

@@ -171,6 +171,32 @@ class Mjcf(unittest.TestCase):
         self.assertEqual((away.sensor(SKIN).data[0], mujoco_skin.contacts(self.model, away, SKIN)), (0, []))
 
 
+class Twice(unittest.TestCase):
+    """One skin file on a robot under two names."""
+
+    def add(self, kind, robot, flag):
+        links = {"left": "dome", "right": "base" if kind == "urdf" else "world"}
+        (desk / f"twice-{robot}").write_text((desk / robot).read_text())
+        for name, link in links.items():
+            run(PROGRAM, kind, "add", f"twice-{robot}", f"{SKIN}/skin.toml", "--name", name, flag, link)
+        return f"twice-{robot}"
+
+    def test_ros_reads_both(self):
+        robot = self.add("urdf", "arm.urdf", "--link")
+        self.assertIn("all is well", run(PROGRAM, "urdf", "check", robot, f"{SKIN}/skin.toml"))
+        said = run("check_urdf", robot)
+        self.assertTrue("  left" in said and "  right" in said, said)
+        robot = yourdfpy.URDF.load(str(desk / robot))
+        self.assertTrue(robot.validate(), robot.errors)
+        for name, link in [("left", "dome"), ("right", "base")]:
+            np.testing.assert_allclose(robot.get_transform(name, link), pose(), atol=1e-8)
+
+    def test_mujoco_reads_both(self):
+        model = mujoco.MjModel.from_xml_path(str(desk / self.add("mjcf", "arm.xml", "--body")))
+        self.assertEqual([model.site(name).name for name in ["left", "right"]], ["left", "right"])
+        self.assertEqual([model.sensor(at).name for at in range(model.nsensor)], ["left", "right"])
+
+
 class Board(unittest.TestCase):
     """A contact in MuJoCo is one of the simulated board."""
 

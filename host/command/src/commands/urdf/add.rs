@@ -2,7 +2,7 @@
 
 use super::super::{
     JsonReport,
-    mount::{Options, in_file},
+    mount::{Format, Options, in_file},
 };
 use dermatome_urdf::urdf;
 use std::path::PathBuf;
@@ -17,6 +17,7 @@ use std::path::PathBuf;
   dermatome urdf add arm.urdf forearm-skin/skin.toml --mesh ../meshes/forearm-skin.stl \\
       --mesh-uri package://arm_description/meshes/forearm-skin.stl
   dermatome urdf add arm.urdf forearm-skin/skin.toml --replace
+  dermatome urdf add arms.urdf forearm-skin/skin.toml --link left_forearm --name left
   check_urdf arm.urdf")]
 pub(super) struct Args {
     /// The robot's URDF; of a xacro file, what `xacro FILE > robot.urdf` writes.
@@ -35,7 +36,8 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let mounting = args.options.mounting(&args.robot, &args.skin, args.link.as_deref(), |_| Ok(None))?;
+    let format = Format { folder: |_| Ok(None), mesh_of: urdf::mesh_of };
+    let mounting = args.options.mounting(&args.robot, &args.skin, args.link.as_deref(), &format)?;
     let robot = urdf::add(&mounting.text, &mounting.mount(), mounting.replace);
     mounting.write(&robot.map_err(|error| in_file(&args.robot, error))?)?;
     let report = mounting.report();
