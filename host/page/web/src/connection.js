@@ -69,12 +69,16 @@ export class Connection {
   }
 
   choose(space) {
-    // What lasts comes once for each subscription: all are new, also those that both choices have.
-    this.dropSubscriptions([...this.subscriptions.keys()]);
     this.chosen = space;
-    this.on.session();
+    this.beginAnew();
     this.matchSubscriptions();
     this.on.change();
+  }
+
+  // What lasts comes once for each subscription: all are new, also those that are wanted before and after.
+  beginAnew() {
+    this.dropSubscriptions([...this.subscriptions.keys()]);
+    this.on.session();
   }
 
   /** Services of the skin that is looked at. */
@@ -201,7 +205,10 @@ export class Connection {
       removeStatus: () => message.statusIds.forEach((id) => this.notices.delete(id)),
     }[message.op];
     if (!read) return;
+    const { space } = this;
     read();
+    // As where a program has told of one skin first, and then of the robot.
+    if (space !== undefined && this.space !== undefined && space !== this.space) this.beginAnew();
     this.matchSubscriptions();
     this.on.change();
   }

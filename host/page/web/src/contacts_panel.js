@@ -2,6 +2,7 @@
 
 import { byId, eachChild, element, setText } from "./element.js";
 import { totalForce, totalStrength } from "./history.js";
+import { nameOf } from "./spaces.js";
 import { STATES, bytes, contactName, forceText, number, strengthText, withUnit } from "./words.js";
 
 const REDRAW_MS = 100;
@@ -38,7 +39,7 @@ function showContacts({ contacts, skin, status }) {
     ["Signal/noise", withUnit(status?.signal_to_noise ?? NaN, "dB", 2)],
   ]);
   byId("no-contacts").hidden = list.length > 0;
-  setText(byId("no-contacts"), contacts ? "Nothing touches the skin." : "No contacts have come yet.");
+  setText(byId("no-contacts"), contacts ? "Nothing touches the skin." : "No contacts are known.");
   eachChild(byId("contact-rows"), list, makeRow, updateRow);
 }
 
@@ -46,24 +47,27 @@ function showContacts({ contacts, skin, status }) {
 function showRobot({ contacts, skins }) {
   const list = contacts.sort((a, b) => a.space.localeCompare(b.space) || a.id - b.id);
   const rates = [...skins.values()].map(({ status }) => status?.frames_per_second).filter(Number.isFinite);
+  const telling = [...skins.values()].filter(({ contacts: told }) => told).length;
   showPairs(byId("figures"), [
-    ["Contacts", list.length],
+    ["Contacts", telling > 0 ? list.length : "–"],
     ["Skins", skins.size],
     ["Least frames/s", rates.length > 0 ? number(Math.min(...rates)) : "–"],
   ]);
   byId("no-contacts").hidden = list.length > 0;
-  setText(byId("no-contacts"), "Nothing touches the robot.");
+  setText(byId("no-contacts"), nothingText(telling, skins.size));
   eachChild(byId("contact-rows"), list, makeRow, updateRow);
   showPairs(byId("session"), [...skins].map(([space, { status, contacts: of }]) => [nameOf(space), skinText(status, of)]));
 }
 
-function nameOf(space) {
-  return space.slice(space.indexOf("/") + 1);
+// Of a skin whose board is lost it is not known whether anything touches it.
+function nothingText(telling, all) {
+  if (telling === 0) return "No contacts are known.";
+  return telling < all ? "Nothing touches the skins that tell contacts." : "Nothing touches the robot.";
 }
 
 function skinText(status, contacts) {
-  const count = contacts?.contacts.length ?? 0;
-  const touches = `${count} ${count === 1 ? "contact" : "contacts"}`;
+  const count = contacts?.contacts.length;
+  const touches = contacts && `${count} ${count === 1 ? "contact" : "contacts"}`;
   return [STATES[status?.state]?.word ?? "–", touches, status?.text].filter(Boolean).join(", ");
 }
 

@@ -4,6 +4,29 @@
 export const SPAN_S = 60;
 const BIN_S = 0.05;
 
+/** The history of each skin of which something has come, by its space. */
+export class Histories {
+  constructor(span) {
+    this.span = span;
+    this.bySpace = new Map();
+  }
+
+  /** In the order of their names, whichever was heard first. */
+  get spaces() {
+    return [...this.bySpace.keys()].sort();
+  }
+
+  get all() {
+    return this.spaces.map((space) => this.bySpace.get(space));
+  }
+
+  /** Takes a message of a skin, as `History` does. */
+  take(space, kind, time, message) {
+    if (!this.bySpace.has(space)) this.bySpace.set(space, new History(this.span));
+    this.bySpace.get(space).take(kind, time, message);
+  }
+}
+
 export class History {
   constructor(span = SPAN_S) {
     this.span = span;
@@ -19,6 +42,12 @@ export class History {
   of(name) {
     if (!this.series.has(name)) this.series.set(name, { times: [], values: [], starts: 0 });
     return this.series.get(name);
+  }
+
+  /** Takes a message of `kind` contacts or status that came at `time`, s. */
+  take(kind, time, message) {
+    if (kind === "contacts") this.addContacts(time, message.contacts);
+    else this.addStatus(time, message);
   }
 
   addContacts(time, contacts) {
@@ -59,6 +88,22 @@ export class History {
     const [first, end] = [firstAfter(times, time - SPAN_S), firstAfter(times, time)];
     return { times: times.slice(first, end), values: values.slice(first, end) };
   }
+}
+
+/** Series as one table of the span before `now`, s, for uPlot: times, and the values of each where it has one. */
+export function onGrid(series, now) {
+  const [first, last] = [Math.floor((now - SPAN_S) / BIN_S), Math.floor(now / BIN_S)];
+  const times = Array.from({ length: last - first + 1 }, (_, i) => (first + i) * BIN_S - now);
+  const columns = series.map(({ times: of, values }) => {
+    const column = Array(times.length);
+    // Bins begin at least their length apart, so that no two have one place.
+    of.forEach((time, i) => {
+      const place = Math.floor(time / BIN_S) - first;
+      if (place >= 0 && place < column.length) column[place] = values[i];
+    });
+    return column;
+  });
+  return [times, ...columns];
 }
 
 export function totalForce(contacts) {

@@ -1,9 +1,9 @@
 // The history of a whole recording, of each skin that is looked at, read in the background, in steps between which the
 // page draws.
 
-import { History } from "./history.js";
+import { Histories } from "./history.js";
 import { decode } from "./messages.js";
-import { SINGLE } from "./spaces.js";
+import { spaceOf } from "./spaces.js";
 
 const STEP_MS = 12;
 
@@ -12,25 +12,14 @@ export class RecordedHistory {
   constructor(recording, onMore) {
     this.recording = recording;
     this.onMore = onMore;
-    /** By what their topics begin with. */
-    this.histories = new Map();
+    this.histories = new Histories(Infinity);
     this.isClosed = false;
     this.read();
   }
 
-  /** Of the one skin that is looked at; empty where all of a robot is. */
-  get history() {
-    return this.of(SINGLE);
-  }
-
   /** How strongly each skin was pressed: `{ times, values }`. */
   get strengths() {
-    return [...this.histories.values()].map((history) => history.of("strength"));
-  }
-
-  of(start) {
-    if (!this.histories.has(start)) this.histories.set(start, new History(Infinity));
-    return this.histories.get(start);
+    return this.histories.all.map((history) => history.of("strength"));
   }
 
   close() {
@@ -62,9 +51,7 @@ export class RecordedHistory {
 
   add({ topic, schema, bytes, logTime }) {
     const time = Number(logTime) / 1e9;
-    const message = decode(schema, bytes);
-    const history = this.of(topic.slice(0, topic.lastIndexOf("/") + 1));
-    if (topic.endsWith("/contacts")) history.addContacts(time, message.contacts);
-    else history.addStatus(time, message);
+    const kind = topic.slice(topic.lastIndexOf("/") + 1);
+    this.histories.take(spaceOf(topic), kind, time, decode(schema, bytes));
   }
 }

@@ -2,6 +2,9 @@
 
 import { Matrix4, Quaternion, Vector3 } from "three";
 
+import { spaceOf } from "./spaces.js";
+import { standing } from "./standing.js";
+
 const JOINT_TOPICS = ["/tf", "/tf_static"];
 // More frames than that one under the other go in a circle.
 const DEEPEST = 1000;
@@ -16,17 +19,22 @@ export class Robot {
     this.links = [];
     /** Of each frame, `{ parent, place }`. */
     this.joints = new Map();
-    /** Of each space, `{ skin, image, contacts, status }`, each when it has come. */
+    /** Of each space, `{ skin, image, contacts, status }`, each when it has come and is not over. */
     this.skins = new Map();
+    /** Of each space, the newest of each, `{ messages, times }`. */
+    this.known = new Map();
     /** What is new since the last time: `links`, `joints`, and `KIND SPACE` of a skin. */
     this.news = new Set();
   }
 
-  /** Takes a message of a topic; none where nothing is known of it any more. */
-  take(topic, message) {
+  /**
+   * Takes a message of a topic that came at a time; none where nothing is known of it any more. What is shown of frames stays
+   * while it is held.
+   */
+  take(topic, message, time, isHeld) {
     if (topic === "/links") this.setLinks(message?.markers ?? []);
     else if (JOINT_TOPICS.includes(topic)) this.setJoints(message?.transforms ?? []);
-    else this.setOfSkin(topic, message);
+    else this.setOfSkin(topic, message, time, isHeld);
   }
 
   setLinks(markers) {
@@ -41,11 +49,15 @@ export class Robot {
     this.news.add("joints");
   }
 
-  setOfSkin(topic, message) {
-    const end = topic.lastIndexOf("/");
-    const [space, kind] = [topic.slice(1, end), topic.slice(end + 1)];
-    this.skins.set(space, { ...this.skins.get(space), [kind]: message });
-    this.news.add(`${kind} ${space}`);
+  setOfSkin(topic, message, time, isHeld) {
+    const [space, kind] = [spaceOf(topic), topic.slice(topic.lastIndexOf("/") + 1)];
+    const { messages, times } = this.known.get(space) ?? { messages: {}, times: {} };
+    const known = { messages: { ...messages, [kind]: message }, times: { ...times, [kind]: time } };
+    this.known.set(space, known);
+    const before = this.skins.get(space) ?? {};
+    const now = standing(known.messages, known.times, isHeld && before);
+    this.skins.set(space, now);
+    for (const name of Object.keys(now)) if (now[name] !== before[name]) this.news.add(`${name} ${space}`);
   }
 
   /** Takes places of a frame to where they are on the robot: a matrix. */

@@ -8,6 +8,8 @@ import { Player } from "./player.js";
 import { Program } from "./program.js";
 import { RecordedHistory } from "./recorded_history.js";
 import { Robot } from "./robot.js";
+import { SINGLE_SPACE } from "./spaces.js";
+import { standing } from "./standing.js";
 
 const LIVE_TOPICS = [TOPIC.skin, TOPIC.status, TOPIC.image, TOPIC.contacts, TOPIC.health];
 const HELD_TOPICS = new Set([TOPIC.image, TOPIC.contacts, TOPIC.health, TOPIC.scope]);
@@ -21,9 +23,11 @@ export class Session {
     this.listeners = [];
     this.changes = new Set();
     this.latest = new Latest();
-    this.shown = {};
     this.robot = new Robot();
+    // The newest message of each topic, when it came, and those that are not over.
+    this.known = {};
     this.times = {};
+    this.shown = {};
     this.liveStatus = undefined;
     this.player = undefined;
     this.isHeld = false;
@@ -87,6 +91,12 @@ export class Session {
     return this.source.isWhole;
   }
 
+  /** What is shown of each skin that is looked at, and when it came: `[{ space, shown, times }]`. */
+  get skins() {
+    if (!this.isWhole) return [{ space: SINGLE_SPACE, shown: this.shown, times: this.times }];
+    return [...this.robot.known].map(([space, { times }]) => ({ space, shown: this.robot.skins.get(space), times }));
+  }
+
   wantScope(isWanted) {
     this.isScopeWanted = isWanted;
     this.subscribe();
@@ -138,7 +148,7 @@ export class Session {
   subscribe() {
     for (const topic of LIVE_TOPICS) this.program.want(topic, !this.player || topic === TOPIC.status);
     this.program.want(TOPIC.scope, this.isScopeWanted && !this.player);
-    if (!this.player && this.liveStatus) this.shown.status = this.liveStatus;
+    if (!this.player && this.liveStatus) this.known.status = this.shown.status = this.liveStatus;
   }
 
   begin() {
@@ -148,7 +158,7 @@ export class Session {
 
   forget() {
     this.latest.clear();
-    this.shown = {};
+    this.known = this.shown = {};
     this.robot.clear();
     this.times = {};
     this.fault = "";
@@ -175,11 +185,12 @@ export class Session {
 
   frame() {
     const isHeld = (topic) => this.isHeld && (HELD_TOPICS.has(topic) || HELD_OF_ROBOT.test(topic));
-    for (const message of this.latest.take((topic) => !isHeld(topic))) this.show(message);
+    for (const message of this.latest.take((topic) => !isHeld(topic))) this.take(message);
+    this.settle();
     const { changes } = this;
     this.changes = new Set();
     for (const listener of this.listeners) this.tell(listener, changes);
-    if (changes.has("image")) this.noteLatency();
+    if (changes.has("image") && this.shown.image) this.noteLatency();
   }
 
   // A view that fails does not keep the others from what is new.
@@ -193,26 +204,31 @@ export class Session {
   }
 
   // Without bytes nothing is known of a topic any more, as before its first message in a recording.
-  show({ topic, schema, bytes, logTime }) {
+  take({ topic, schema, bytes, logTime }) {
     const name = NAMES[topic];
     try {
       const message = bytes && decode(schema, bytes);
-      if (!topic.startsWith("/")) return this.showOfRobot(topic.slice(topic.indexOf("/")), message);
+      if (!topic.startsWith("/")) return this.takeOfRobot(topic.slice(topic.indexOf("/")), message, logTime);
       if (message && name === "skin") checkSkin(message);
-      this.shown[name] = message;
+      this.known = { ...this.known, [name]: message };
       this.times[name] = logTime;
-      if (name === "status" && !this.player) this.liveStatus = this.shown.status;
-      this.changes.add(name);
+      if (name === "status" && !this.player) this.liveStatus = message;
     } catch (error) {
       this.failed(`A message of ${topic} cannot be read (${error.message}). Reload the page: the program may be newer.`);
     }
   }
 
   // Topics of a whole robot come with the numbers of their channels, as several may have one name.
-  showOfRobot(topic, message) {
+  takeOfRobot(topic, message, logTime) {
     if (message && topic.endsWith("/skin")) checkSkin(message);
-    this.robot.take(topic, message);
+    this.robot.take(topic, message, logTime, this.isHeld);
     this.changes.add("robot");
+  }
+
+  settle() {
+    const before = this.shown;
+    this.shown = standing(this.known, this.times, this.isHeld && before);
+    for (const name of Object.keys(this.shown)) if (this.shown[name] !== before[name]) this.changes.add(name);
   }
 
   noteLatency() {

@@ -52,7 +52,7 @@ function ofRobot({ skins }) {
   if (all.length === 0) return waiting("Connected to the program", "It has not yet said how the skins are.");
   const others = all.filter(([, { status }]) => status.state !== "live");
   const said = others.map(([space, { status }]) => `${space}: ${status.text || (STATES[status.state]?.word ?? status.state)}`);
-  if (others.length === all.length) return waiting("No skin is live yet", said.join("; "));
+  if (others.length === all.length) return waiting("No skin is live", said.join("; "));
   const isAll = others.length === 0;
   return {
     level: isAll ? "good" : "warn",

@@ -2,11 +2,22 @@
 
 /** Topics and services are named after the space of their skin; the page knows those of a single skin, which begin so. */
 export const SINGLE = "/dermatome/";
+export const SINGLE_SPACE = "dermatome";
 // Topics of a whole robot, and of each of its skins, that are looked at where all of it is.
 const ROBOT_TOPICS = ["/links", "/tf", "/tf_static"];
 const ROBOT_SKIN_TOPICS = ["/skin", "/image", "/contacts", "/status"];
 /** Stands for all skins of a robot, in place of one's space. */
 export const WHOLE = "*";
+
+/** What a skin is called on its robot, by its space. */
+export function nameOf(space) {
+  return space.slice(space.indexOf("/") + 1);
+}
+
+/** The space of a topic as it is called here. */
+export function spaceOf(topic) {
+  return topic.slice(topic.indexOf("/") + 1, topic.lastIndexOf("/"));
+}
 
 /** Whether these channels tell of a whole robot. */
 export function tellOfRobot(channels) {

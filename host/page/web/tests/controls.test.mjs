@@ -6,6 +6,22 @@ import { describe } from "node:test";
 import { screenshot, until, untilDrawn } from "./browser.mjs";
 import { state, test, text, withPage } from "./with_page.mjs";
 
+/** Has the mock's skin be a robot's, of which the page hears some time after it has met the program. */
+function tellLateOfRobot(mock) {
+  const { welcome } = mock;
+  mock.welcome = (socket, request) => {
+    const send = socket.send.bind(socket);
+    socket.send = (data) => {
+      const message = typeof data === "string" ? JSON.parse(data) : {};
+      if (message.op !== "advertise") return send(data);
+      const ofRobot = message.channels.map((channel) => ({ ...channel, topic: channel.topic.replace("dermatome", "arm/palm") }));
+      const channels = [{ ...ofRobot[0], id: 99, topic: "/links", encoding: "json" }, ...ofRobot];
+      setTimeout(send, 500, JSON.stringify({ op: "advertise", channels }));
+    };
+    welcome.call(mock, socket, request);
+  };
+}
+
 describe("controls", () => {
   test("tare by button and by key", () =>
     withPage({}, async ({ page, mock }) => {
@@ -120,6 +136,14 @@ describe("controls", () => {
       await page.waitForTimeout(200);
       assert.deepEqual(mock.calls.filter(({ name }) => name === "scope").map(({ request }) => request.slot), [0, 3, null]);
       assert.ok(![...mock.clients][0].subscriptions.values().toArray?.().includes("/dermatome/scope"));
+    }));
+
+  test("plots of a robot that the program tells of late are those of its skins alone", () =>
+    withPage({ prepare: tellLateOfRobot }, async ({ page }) => {
+      await until(page, () => window.dermatome.state().robot?.contacts.length > 0);
+      await page.keyboard.press("2");
+      await until(page, () => document.querySelectorAll("#plot-skins li").length > 0);
+      assert.deepEqual(await page.locator("#plot-skins li").allTextContents(), ["palm"]);
     }));
 
   test("plots show the last minute", () =>

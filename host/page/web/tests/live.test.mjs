@@ -235,6 +235,10 @@ describe("a whole robot", () => {
       await page.waitForTimeout(300);
       await screenshot(page, `whole-robot-${name}`);
       await assertColoured(page, robot);
+      await page.keyboard.press("2");
+      await until(page, () => Number(document.querySelectorAll(".plot:not([hidden]) output")[1].textContent) > 0);
+      assert.deepEqual((await page.locator("#plot-skins li").allTextContents()).map((name) => `arm/${name}`).toSorted(), SPACES.toSorted());
+      await screenshot(page, `whole-robot-plots-${name}`);
       assert.deepEqual(errors, []);
       await close();
     });
@@ -265,6 +269,9 @@ describe("a whole robot", () => {
     await page.locator("#position").fill((Math.ceil(recording.seconds * 1000) / 1000).toFixed(3));
     await until(page, (length) => window.dermatome.state().robot.contacts.length === length, robot.contacts.length);
     await assertColoured(page, await page.evaluate(() => window.dermatome.state().robot));
+    await page.keyboard.press("2");
+    await until(page, (count) => Number(document.querySelectorAll(".plot:not([hidden]) output")[1].textContent) === count, robot.contacts.length);
+    await screenshot(page, "whole-robot-plots-recorded");
     assert.deepEqual(errors, []);
     await close();
   });
@@ -344,5 +351,80 @@ describe("reflexes", () => {
     assert.deepEqual(errors, []);
     await close();
     await program.end();
+  });
+});
+
+describe("a board that is lost", () => {
+  const hasContacts = () => window.dermatome.state().robot?.contacts.length > 0;
+  const hasNone = () => window.dermatome.state().robot?.contacts.length === 0;
+  let browser, folder, board, port, program;
+
+  async function startBoard(listen) {
+    board = spawn(PROGRAM, ["simulate", "palm.toml", "--listen", listen, "--path", "path.csv", "--store", "board.dermatome"], { cwd: folder });
+    const { value } = await createInterface({ input: board.stdout })[Symbol.asyncIterator]().next();
+    port = value.split(" listens at ")[1];
+  }
+
+  function endBoard() {
+    return new Promise((resolve) => board.once("exit", resolve) && board.kill("SIGKILL"));
+  }
+
+  before(async () => {
+    if (skip) return;
+    browser = await launch();
+    folder = mkdtempSync(join(tmpdir(), "dermatome-lost-"));
+    writeFileSync(join(folder, "palm.toml"), TINY);
+    // A finger that never goes.
+    writeFileSync(join(folder, "path.csv"), "time_s,finger,x_m,y_m,radius_m,depth\n0,1,0.02,0,0.012,0\n3,1,0.02,0,0.012,0\n4,1,0.02,0,0.012,0.9\n900,1,0.02,0,0.012,0.9\n");
+    execFileSync(PROGRAM, ["build", "palm.toml", "-o", "board.dermatome"], { cwd: folder, stdio: "ignore" });
+    await startBoard("tcp:127.0.0.1:0");
+    writeFileSync(join(folder, "robot.urdf"), '<robot name="r"><link name="palm_link"/></robot>');
+    writeFileSync(join(folder, "robot.toml"), `name = "arm"\nurdf = "robot.urdf"\n${patch("palm").replace("sim:palm.toml", port)}`);
+  });
+  after(async () => {
+    await program?.end();
+    board?.kill();
+    await browser?.close();
+    if (folder) rmSync(folder, { recursive: true, force: true });
+  });
+
+  test("takes its contacts and colours along, live and where it was recorded", { skip }, async () => {
+    program = await start(folder, "127.0.0.1:0", ["serve", "robot.toml", "--record", "run.mcap"], "stderr");
+    const { page, errors, close } = await openPage(browser, program.url);
+    await until(page, hasContacts, undefined, START_MS);
+    await page.evaluate(() => document.getElementById("show-contacts").click());
+    // Until the finger has come down.
+    await page.waitForTimeout(1500);
+    const [{ position }] = (await page.evaluate(() => window.dermatome.state())).robot.contacts;
+    const colour = async (name) => {
+      await page.waitForTimeout(300);
+      await screenshot(page, `lost-board-${name}`);
+      return colourAtPlace(page, [position.x, position.y, position.z]);
+    };
+    const pressed = await colour("before");
+    await endBoard();
+    await until(page, hasNone, undefined, START_MS);
+    const [red, green, blue] = await colour("lost");
+    assert.ok(pressed[1] - pressed[2] > 100, `pressed: ${pressed}`);
+    assert.ok(Math.max(red, green, blue) - Math.min(red, green, blue) < 30, `lost, not grey: ${red}, ${green}, ${blue}`);
+    assert.equal(await text(page, "no-contacts"), "No contacts are known.");
+    await startBoard(port);
+    await until(page, hasContacts, undefined, START_MS);
+    await page.waitForTimeout(1500);
+    await program.end();
+    program = await start(folder, "127.0.0.1:0", ["view"]);
+    await page.goto(program.url);
+    await stateIs(page, "Ended");
+    await page.setInputFiles("#file", join(folder, "run.mcap"));
+    await until(page, () => window.dermatome.state().robot?.skins.length === 1, undefined, START_MS);
+    await page.keyboard.press(" ");
+    for (const [name, isSo] of [["pressed", hasContacts], ["lost", hasNone], ["pressed", hasContacts]]) {
+      await until(page, isSo, undefined, START_MS);
+      await page.waitForTimeout(100);
+      await screenshot(page, `lost-board-recorded-${name}`);
+    }
+    // What the page says of the program that was ended.
+    assert.deepEqual(errors.filter((error) => !error.includes("WebSocket")), []);
+    await close();
   });
 });

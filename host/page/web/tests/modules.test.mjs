@@ -1,14 +1,17 @@
 // The modules that need no browser.
 
 import assert from "node:assert/strict";
+import { once } from "node:events";
 import { describe, test } from "node:test";
 import lz4 from "lz4js";
+import { WebSocket, WebSocketServer } from "ws";
 
 import { meanAndSpread } from "../src/calibrate_panel.js";
 import { MAPS, colourAt, tableOf } from "../src/colour.js";
+import { Connection } from "../src/connection.js";
 import { electrodeStates } from "../src/electrode_states.js";
 import { readBinary, serviceRequest } from "../src/foxglove.js";
-import { History } from "../src/history.js";
+import { History, onGrid } from "../src/history.js";
 import { Latest } from "../src/latest.js";
 import { decompressFrame } from "../src/lz4.js";
 import { decode, flagWords, pixelValues } from "../src/messages.js";
@@ -49,6 +52,37 @@ describe("a robot", () => {
     const robot = new Robot();
     robot.take("/tf", { transforms: [joint("a", "b", 0), joint("b", "a", 0)] });
     assert.equal(robot.place("a").elements.every(Number.isFinite), true);
+  });
+});
+
+describe("what a skin's board said", () => {
+  const contacts = { header: { frame_id: "hand" }, contacts: [{ id: 1, position: { x: 0, y: 0, z: 0 }, normal: { x: 1, y: 0, z: 0 } }] };
+  const seen = (robot) => [robot.contacts.length, robot.skins.get("arm/palm").image?.sequence];
+  const told = (robot, messages) => messages.forEach(([kind, message, time, isHeld]) => robot.take(`/arm/palm/${kind}`, message, time, isHeld));
+
+  test("is over when it is lost, and not where it is known again, in whichever order both come", () => {
+    const robot = new Robot();
+    told(robot, [["status", { state: "live" }, 1n], ["image", { sequence: 7 }, 2n], ["contacts", contacts, 2n]]);
+    assert.deepEqual(seen(robot), [1, 7]);
+    robot.news.clear();
+    told(robot, [["status", { state: "lost" }, 3n]]);
+    assert.deepEqual(seen(robot), [0, undefined]);
+    assert.deepEqual([...robot.news].toSorted(), ["contacts arm/palm", "image arm/palm", "status arm/palm"]);
+    told(robot, [["image", { sequence: 6 }, 2n]]);
+    assert.deepEqual(seen(robot), [0, undefined], "it came before");
+    told(robot, [["image", { sequence: 8 }, 4n], ["contacts", contacts, 4n]]);
+    assert.deepEqual(seen(robot), [1, 8], "the next status is not there yet");
+    // Scrubbed back to between the last frame and the loss: only the status is another there.
+    told(robot, [["status", { state: "lost" }, 5n], ["status", { state: "live" }, 1n]]);
+    assert.deepEqual(seen(robot), [1, 8]);
+  });
+
+  test("stays while the picture is held", () => {
+    const robot = new Robot();
+    told(robot, [["image", { sequence: 7 }, 2n], ["contacts", contacts, 2n], ["status", { state: "lost" }, 3n, true]]);
+    assert.deepEqual(seen(robot), [1, 7]);
+    told(robot, [["status", { state: "lost" }, 4n, false]]);
+    assert.deepEqual(seen(robot), [0, undefined]);
   });
 });
 
@@ -196,6 +230,15 @@ describe("history", () => {
   });
 });
 
+test("series of several skins as one table: each bin has a place of its own, what is not known stays so", () => {
+  const one = { times: [100.01, 100.061, 130, 159.99], values: [1, 2, null, 4] };
+  const [times, ...columns] = onGrid([one, { times: [30, 160], values: [8, 9] }], 160);
+  assert.equal(times.length, 1201);
+  assert.ok(Math.abs(times[0] + 60) < 1e-9 && Math.abs(times.at(-1)) < 1e-9, `${times[0]} to ${times.at(-1)}`);
+  const known = columns.map((column) => [...column.entries()].filter(([, value]) => value !== undefined));
+  assert.deepEqual(known, [[[0, 1], [1, 2], [600, null], [1199, 4]], [[1200, 9]]]);
+});
+
 describe("words", () => {
   test("numbers, sizes, times, resistances", () => {
     assert.deepEqual([12.345, 0.0123, 1234, 0, NaN].map((value) => number(value)), ["12.3", "0.0123", "1234", "0", "–"]);
@@ -305,5 +348,53 @@ describe("recordings", () => {
     cut[Math.floor(bytes.length * 0.5)] ^= 0xff;
     const recording = await openRecording(new Blob([cut]), "damaged.mcap");
     assert.ok(recording.duration > 0.1 && recording.duration < 0.6, `${recording.duration} s`);
+  });
+});
+
+describe("the connection", () => {
+  const channel = (id, topic, schemaName) => ({ id, topic, schemaName, encoding: "cdr", schemaEncoding: "ros2msg" });
+  const OF_PALM = [channel(1, "/arm/palm/skin", "dermatome_msgs/msg/Skin"), channel(2, "/arm/palm/status", "dermatome_msgs/msg/Status")];
+  const OF_ROBOT = [channel(3, "/links", "visualization_msgs/msg/MarkerArray")];
+
+  /** Answers each subscription with one message, and tells of the robot after the first. */
+  function serve(socket) {
+    const send = (message) => socket.send(JSON.stringify(message));
+    const tellOfRobot = [() => send({ op: "advertise", channels: OF_ROBOT })];
+    socket.on("message", (text) => {
+      const { op, subscriptions } = JSON.parse(text);
+      if (op !== "subscribe") return;
+      for (const { id } of subscriptions) {
+        const message = Buffer.alloc(14);
+        message[0] = 1;
+        message.writeUInt32LE(id, 1);
+        socket.send(message);
+      }
+      tellOfRobot.pop()?.();
+    });
+    send({ op: "serverInfo", sessionId: "1" });
+    send({ op: "advertise", channels: OF_PALM });
+  }
+
+  test("begins anew where the program tells of one skin first, and then of the robot", async ({ mock }) => {
+    // It watches for silence as long as the page is open.
+    mock.timers.enable({ apis: ["setInterval"] });
+    globalThis.WebSocket = WebSocket;
+    const server = new WebSocketServer({ port: 0, host: "127.0.0.1", handleProtocols: () => "foxglove.sdk.v1" });
+    server.on("connection", serve);
+    await once(server, "listening");
+    const told = [];
+    const connection = await new Promise((resolve) => {
+      const connection = new Connection(`ws://127.0.0.1:${server.address().port}`, {
+        message: (topic) => told.push(topic) && topic === "3/links" && resolve(connection),
+        session: () => told.push("session"),
+        change: () => {},
+      });
+      for (const topic of ["/dermatome/skin", "/dermatome/status"]) connection.want(topic, true);
+    });
+    connection.socket.onclose = undefined;
+    connection.socket.terminate();
+    server.close();
+    const [ofPalm, ofRobot] = [["/dermatome/skin", "/dermatome/status"], ["1/arm/palm/skin", "2/arm/palm/status", "3/links"]];
+    assert.deepEqual(told, ["session", ...ofPalm, "session", ...ofRobot]);
   });
 });
