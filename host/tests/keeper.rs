@@ -78,12 +78,61 @@ fn a_tare_of_frames_that_hardly_come_does_not_keep_its_keeper_from_ending() {
     assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
 }
 
+#[test]
+fn a_drive_or_a_tare_waits_until_nothing_presses_and_says_so() {
+    let half = Drive::new(50e3, 0.5e-3, 50.0);
+    for (selection, asked) in [
+        (RECORDED, Asked::Drive(half)),
+        (SERVED, Asked::Drive(half)),
+        (RECORDED, Asked::Tare),
+        (SERVED, Asked::Tare),
+    ] {
+        let desk = Desk::with_patch();
+        let finger = "0,1,0,0,0.01,0.8\n4,1,0,0,0.01,0.8\n4.1,1,0,0,0.01,0\n900,1,0,0,0.01,0\n";
+        desk.write("path.csv", format!("time_s,finger,x_m,y_m,radius_m,depth\n{finger}"));
+        let (_board, port) = flashed(&desk, &["--path", "path.csv"]);
+        let (keeper, told) = keep(&desk, &port, selection);
+        wait(&told, |told| (contacts(&told)? > 0).then_some(()));
+        keeper.ask(asked);
+        let mut waits = false;
+        wait(&told, |told| {
+            let is_done = is_driven(&told, &half)
+                || matches!(&told, Told::State(state) if state.phase == Phase::Taring);
+            assert!(!is_done, "while it is pressed");
+            waits |= matches!(&told, Told::State(state) if state.waits() || state.drive_waits());
+            (contacts(&told)? == 0).then_some(())
+        });
+        assert!(waits, "it is not said");
+        if asked != Asked::Tare {
+            wait(&told, |told| is_driven(&told, &half).then_some(()));
+        }
+        wait(&told, |told| is(told, Phase::Taring).then_some(()));
+        wait(&told, |told| is(told, Phase::Live).then_some(()));
+    }
+}
+
+fn is_driven(told: &Told, drive: &Drive) -> bool {
+    matches!(told, Told::Driven(driven) if driven.drive == *drive)
+}
+
+/// How many contacts a frame has; none where it is not told.
+fn contacts(told: &Told) -> Option<usize> {
+    let Told::Frame { frame, .. } = told else { return None };
+    Some(frame.contacts.as_ref()?.len())
+}
+
 /// A simulated board with the patch of a skin that nothing presses on.
 fn board() -> (Desk, Running, String) {
     let desk = Desk::with_patch();
-    let (board, port) = desk.board("skin.toml", &["--live"]);
-    desk.run(&["flash", "skin.dermatome", "--port", &port]).success();
+    let (board, port) = flashed(&desk, &["--live"]);
     (desk, board, port)
+}
+
+/// A simulated board with the skin's patch.
+fn flashed(desk: &Desk, more: &[&str]) -> (Running, String) {
+    let (board, port) = desk.board("skin.toml", more);
+    desk.run(&["flash", "skin.dermatome", "--port", &port]).success();
+    (board, port)
 }
 
 fn keep(desk: &Desk, port: &str, selection: Selection) -> (Keeper, Receiver<Told>) {
@@ -106,7 +155,7 @@ fn is(told: Told, phase: Phase) -> bool {
     matches!(told, Told::State(state) if state.phase == phase)
 }
 
-fn wait<T>(told: &Receiver<Told>, is_it: impl Fn(Told) -> Option<T>) -> T {
+fn wait<T>(told: &Receiver<Told>, mut is_it: impl FnMut(Told) -> Option<T>) -> T {
     let until = Instant::now() + Duration::from_secs(20);
     loop {
         let told = told.recv_timeout(until.saturating_duration_since(Instant::now())).expect("told in time");

@@ -8,6 +8,7 @@ use dermatome::simulate::board::{BoardOptions, SimulatedBoard};
 use dermatome_messages::{
     Topic, cdr,
     dermatome::{ContactArray, Image, Skin, Status},
+    standard::{DiagnosticArray, MarkerArray},
 };
 use program::{Desk, Running, TINY};
 use serde_json::{Value, json};
@@ -248,9 +249,15 @@ fn a_board_that_is_not_there_is_waited_for_and_one_that_goes_is_told() {
     std::fs::copy(desk.path("skin.dermatome"), desk.path("board.dermatome")).unwrap();
     let board = desk.start(&[&["simulate", "skin.toml", "--listen", &listen], &store[..]].concat());
     client.next(status, |status: &Status| status.state == "live");
+    let (markers, diagnostics) = (client.subscribe(Topic::Markers), client.subscribe(Topic::Diagnostics));
+    client.next(markers, |array: &MarkerArray| array.markers.len() > 1);
     drop(board);
+    // Programs that draw frames are told that they are over.
+    client.next(markers, |array: &MarkerArray| matches!(&array.markers[..], [clear] if clear.action == 3));
+    let said: DiagnosticArray =
+        client.next(diagnostics, |array: &DiagnosticArray| array.status[0].level == 2);
     let told: Status = client.next(status, |status: &Status| status.state == "lost");
-    assert!(!told.text.is_empty());
+    assert!(!told.text.is_empty() && said.status[0].message == told.text);
     let _board = desk.start(&[&["simulate", "skin.toml", "--listen", &listen], &store[..]].concat());
     client.next(status, |status: &Status| status.state == "live");
 }

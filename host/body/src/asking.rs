@@ -33,7 +33,7 @@ pub fn tare(sense: &Sense) -> Result<Asked, Outcome> {
     let state = &sense.state;
     match state.phase {
         Phase::Taring => Ok(Asked::Tare),
-        Phase::Live if !state.waits() => Ok(Asked::Tare),
+        Phase::Live if !(state.waits() || state.drive_waits()) => Ok(Asked::Tare),
         _ => Err(Outcome::refused(&state.text)),
     }
 }
@@ -47,6 +47,7 @@ pub fn drive(request: &DriveRequest, sense: &Sense) -> Result<Asked, Outcome> {
     match driven.check(&drive) {
         Err(error) => Err(Outcome::refused(error.to_string())),
         Ok(()) if drive == driven.drive => Err(Outcome::done(in_words(&drive))),
+        Ok(()) if sense.state.drive_waits() => Err(Outcome::refused(&sense.state.text)),
         Ok(()) => Ok(Asked::Drive(drive)),
     }
 }
@@ -107,6 +108,9 @@ impl Awaited {
                 Some(Outcome::done(in_words(&driven.drive)))
             }
             (Self::Drive(_), Told::NotDriven(why)) => Some(Outcome::refused(why)),
+            (Self::Drive(_), Told::State(state)) if state.drive_waits() => {
+                Some(Outcome::refused(&state.text))
+            }
             _ => None,
         }
     }
@@ -115,7 +119,7 @@ impl Awaited {
         if state.phase == Phase::Taring {
             *has_begun = true;
             None
-        } else if state.waits() {
+        } else if state.waits() || state.drive_waits() {
             Some(Outcome::refused(&state.text))
         } else {
             has_begun.then(|| Outcome::done("the reference is made"))
@@ -135,7 +139,10 @@ fn in_words(drive: &Drive) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{driven::Driven, keeper::WAITS};
+    use crate::{
+        driven::Driven,
+        keeper::{DRIVE_WAITS, WAITS},
+    };
 
     fn state(phase: Phase, text: &str) -> Told {
         Told::State(State { phase, text: text.to_owned() })
@@ -191,5 +198,13 @@ mod tests {
         assert_eq!(answers(Asked::Drive(drive), &told), [None, done]);
         let refused = [Some(Outcome::refused("no"))];
         assert_eq!(answers(Asked::Drive(drive), &[Told::NotDriven("no".to_owned())]), refused);
+    }
+
+    #[test]
+    fn who_asks_for_a_drive_or_a_tare_while_a_drive_waits_is_told_that_it_does() {
+        let waits = || [Some(Outcome::refused(DRIVE_WAITS))];
+        for asked in [Asked::Tare, Asked::Drive(Drive::new(100e3, 1e-3, 50.0))] {
+            assert_eq!(answers(asked, &[state(Phase::Live, DRIVE_WAITS)]), waits());
+        }
     }
 }

@@ -109,6 +109,10 @@ mod tests {
                 Drive { frame_rate: f32::INFINITY, ..drive },
                 "`frame_rate` is inf a second; allowed: more than",
             ),
+            (
+                Drive { frame_rate: 1e9, ..drive },
+                "`frame_rate` is 1000000000 a second; allowed: more than 0 Hz, at most 100 kHz",
+            ),
             (Drive { gain: Gain::Fixed(3), ..drive }, "`gain` is 3; allowed: automatic, 1, 2"),
         ];
         for (drive, words) in cases {

@@ -22,6 +22,8 @@ const LAST_BINS: usize = 2;
 /// A frame that is earlier than any by so much, ns, or frames that are all later for so many bins: the host's clock was set.
 const SET_NS: f64 = 100e6;
 const SET_BINS: usize = 4;
+/// After a silence of so long, ns, one frame that is late by as much is enough: the board's clock stood still, or began anew.
+const SILENCE_NS: i64 = 1_000_000_000;
 /// Frames whose lateness is kept.
 const KEPT: usize = 256;
 
@@ -30,8 +32,8 @@ const KEPT: usize = 256;
 pub struct Clock {
     /// The first frame: board's and host's time, ns. All else counts from there.
     origin: Option<(u64, u64)>,
-    /// Board's time of the last frame, ns.
-    last: i64,
+    /// Board's and host's time of the last frame, ns.
+    last: (i64, i64),
     /// The fastest frame of each bin, the last one still open.
     bins: VecDeque<Fastest>,
     line: Line,
@@ -80,13 +82,14 @@ impl Clock {
         let (device_0, host_0) = *self.origin.get_or_insert((device_ns, now_ns));
         let time = device_ns.wrapping_sub(device_0) as i64;
         let late = now_ns.wrapping_sub(host_0) as i64;
-        if time < self.last {
-            // A clock that goes back is that of a board that has started anew.
+        let seen = (late - time) as f64;
+        let (last, heard) = std::mem::replace(&mut self.last, (time, late));
+        let was_silent = late.saturating_sub(heard) > SILENCE_NS && !self.bins.is_empty();
+        // A clock that goes back is that of a board that has started anew.
+        if time < last || was_silent && seen - self.line.offset_at(time as f64) > SET_NS {
             *self = Self::default();
             return self.host_time(device_time_us, now_ns);
         }
-        self.last = time;
-        let seen = (late - time) as f64;
         if self.bins.is_empty() {
             self.line = Line { at: time as f64, offset: seen, skew: 0.0 };
         }
@@ -245,6 +248,21 @@ mod tests {
         let mut clock = Clock::default();
         clock.host_time(9_000_000, 10_000_000_000);
         assert_eq!(clock.host_time(1_000, 20_000_000_000), 20_000_000_000);
+    }
+
+    #[test]
+    fn a_board_whose_clock_stood_still_while_it_was_silent_has_a_new_offset_with_its_first_frame() {
+        let mut clock = Clock::default();
+        for stopped in [0, 6_000_000_000, 6_150_000_000] {
+            for frame in 0..100_u64 {
+                let device_us = stopped / 1_000 + frame * 10_000;
+                let true_ns = START + 2 * stopped + frame * 10_000_000;
+                assert_eq!(clock.host_time(device_us, true_ns), true_ns, "{stopped}, {frame}");
+            }
+        }
+        // After a second of silence, late by less: the link was slow.
+        let (device_us, now) = (8_200_000, START + 2 * 6_150_000_000 + 2_050_000_000 + 50_000_000);
+        assert_eq!(now - clock.host_time(device_us, now), 50_000_000);
     }
 
     #[test]

@@ -17,6 +17,10 @@ use std::f32::consts::FRAC_1_PI;
 const PERIOD: u64 = 1_000_000_000 / 30;
 /// Least time between two diagnostics, ns.
 const DIAGNOSTICS_PERIOD: u64 = 1_000_000_000;
+/// Of a point of a cloud: x, y, z and intensity.
+const BYTES_OF_POINT: u32 = 16;
+/// Level of a diagnostic.
+const ERROR: u8 = 2;
 /// Length of the arrow of a contact of strength 1, as a part of the skin's size.
 const ARROW: f64 = 0.5;
 
@@ -77,29 +81,52 @@ impl Scene {
         packed
     }
 
+    /// The scene once what the board said is over, and why: no contacts, no image, and an error.
+    pub fn over(&mut self, why: &str, now_ns: u64) -> Vec<Packed> {
+        (self.drawn, self.diagnosed) = (0, 0);
+        let status = DiagnosticStatus { level: ERROR, ..self.diagnostic(why.to_owned(), Vec::new()) };
+        let diagnostics = DiagnosticArray { header: self.place.header(now_ns), status: vec![status] };
+        let messages = [
+            (Topic::Markers, cdr::encode(&self.markers([], now_ns))),
+            (Topic::Pressure, cdr::encode(&self.no_cloud(now_ns))),
+            (Topic::Diagnostics, cdr::encode(&diagnostics)),
+        ];
+        messages.map(|(topic, bytes)| Packed::now(topic, now_ns, bytes)).to_vec()
+    }
+
     /// An image as points x, y, z (m) and `intensity`, by which other programs colour them: relative change of conductivity.
     #[must_use]
     pub fn cloud(&self, image: &PackedImage, time_ns: u64) -> PointCloud2 {
+        let numbers = self.centres.iter().zip(image.values()).flat_map(|(centre, value)| {
+            let [x, y, z] = *centre;
+            [x, y, z, value as f32]
+        });
+        self.cloud_of(numbers.flat_map(f32::to_le_bytes).collect(), time_ns)
+    }
+
+    /// Of no image: without a point.
+    #[must_use]
+    pub fn no_cloud(&self, time_ns: u64) -> PointCloud2 {
+        self.cloud_of(Vec::new(), time_ns)
+    }
+
+    fn cloud_of(&self, data: Vec<u8>, time_ns: u64) -> PointCloud2 {
         let field = |(name, place): (&str, u32)| PointField {
             name: name.to_owned(),
             offset: 4 * place,
             datatype: 7,
             count: 1,
         };
-        let numbers = self.centres.iter().zip(image.values()).flat_map(|(centre, value)| {
-            let [x, y, z] = *centre;
-            [x, y, z, value as f32]
-        });
-        let width = self.centres.len() as u32;
+        let width = data.len() as u32 / BYTES_OF_POINT;
         PointCloud2 {
             header: self.place.header(time_ns),
             height: 1,
             width,
             fields: ["x", "y", "z", "intensity"].into_iter().zip(0..).map(field).collect(),
             is_bigendian: false,
-            point_step: 16,
-            row_step: 16 * width,
-            data: numbers.flat_map(f32::to_le_bytes).collect(),
+            point_step: BYTES_OF_POINT,
+            row_step: BYTES_OF_POINT * width,
+            data,
             is_dense: true,
         }
     }
@@ -149,6 +176,11 @@ impl Scene {
         MarkerArray { markers: std::iter::once(clear).chain(drawn).collect() }
     }
 
+    fn diagnostic(&self, message: String, values: Vec<KeyValue>) -> DiagnosticStatus {
+        let (name, hardware_id) = (format!("dermatome: {}", self.name), self.board.clone());
+        DiagnosticStatus { level: 0, name, message, hardware_id, values }
+    }
+
     fn diagnostics(&self, frame: &ScanFrame, now_ns: u64) -> DiagnosticArray {
         let mut problems: Vec<&str> = self.flags.words().collect();
         problems.extend((self.tripped > 0).then_some("reflex tripped"));
@@ -158,13 +190,8 @@ impl Scene {
         let mut values = frame.health.as_ref().map(health_values).unwrap_or_default();
         values.extend(frame.reflexes.as_ref().map(|_| tripped_value(self.tripped)));
         let message = if problems.is_empty() { "all is well".to_owned() } else { problems.join(", ") };
-        let status = DiagnosticStatus {
-            level: u8::from(!problems.is_empty()),
-            name: format!("dermatome: {}", self.name),
-            message,
-            hardware_id: self.board.clone(),
-            values,
-        };
+        let level = u8::from(!problems.is_empty());
+        let status = DiagnosticStatus { level, ..self.diagnostic(message, values) };
         DiagnosticArray { header: self.place.header(now_ns), status: vec![status] }
     }
 }

@@ -128,6 +128,7 @@ impl Skin {
         let now = now_ns();
         publish(&self.contacts, message::no_contacts(sense, now));
         if let Some(scene) = &self.scene {
+            publish(&self.pressure, scene.no_cloud(now));
             publish(&self.markers, scene.markers([], now));
         }
         true

@@ -107,6 +107,9 @@ fn a_skin_that_two_computers_claim_is_found() {
     hearing.wait("left", START, |said| said.frames > 0);
     let _second = serve(&desk, "left.toml", &endpoint);
     hearing.wait("left", START, |said| said.finding.contains("it is served twice, by `"));
+    // An order would reach both boards.
+    let refused = desk.run(&["body", "arm", "--tare", "left", "--zenoh-connect", &endpoint]).refused();
+    assert!(refused.contains("2 programs say that they serve `dermatome/arm/"), "{refused}");
     hearing.end();
 }
 

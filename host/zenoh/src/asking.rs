@@ -13,7 +13,7 @@ use dermatome_body::{
 };
 use dermatome_messages::dermatome::DriveRequest;
 use std::{
-    collections::BTreeSet,
+    collections::BTreeMap,
     sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, channel, sync_channel},
     thread,
     time::{Duration, Instant},
@@ -225,7 +225,7 @@ fn payload(bytes: &ZBytes) -> Result<Vec<u8>, DecodeError> {
     }
 }
 
-/// The skins of these names, or all, once they are there.
+/// The skins of these names, or all, once they are there and each is served by one program.
 fn skins(
     session: &Session,
     robot: &str,
@@ -233,28 +233,33 @@ fn skins(
     is_over: &impl Fn() -> bool,
 ) -> Result<Vec<Space>, ZenohError> {
     let begun = Instant::now();
-    let (mut there, mut changed) = (BTreeSet::new(), begun);
+    let (mut there, mut changed) = (BTreeMap::new(), begun);
     while !is_over() {
         let now = alive(session, Some(robot))?;
         if now != there {
             (there, changed) = (now, Instant::now());
         }
-        let is_there = |name: &String| there.iter().any(|space| space.patch == *name);
+        let is_there = |name: &String| there.keys().any(|space| space.patch == *name);
         let is_all = !there.is_empty() && changed.elapsed() >= ALL_FOUND;
         let is_enough = if patches.is_empty() { is_all } else { patches.iter().all(is_there) };
-        if is_enough {
-            let is_meant = |space: &Space| patches.is_empty() || patches.contains(&space.patch);
-            return Ok(there.into_iter().filter(is_meant).collect());
+        let meant = || there.iter().filter(|(space, _)| patches.is_empty() || patches.contains(&space.patch));
+        // A program that has just been started anew is not alone before its predecessor is known to be gone.
+        let claimed = meant().find(|(_, runs)| runs.len() > 1);
+        if is_enough && claimed.is_none() {
+            return Ok(meant().map(|(space, _)| space.clone()).collect());
         }
         if begun.elapsed() >= FOUND {
-            let Some(missing) = patches.iter().find(|name| !is_there(name)) else { break };
-            let mut known: Vec<_> = there.iter().map(|space| format!("`{}`", space.patch)).collect();
-            known.dedup();
-            return Err(ZenohError::Patch {
-                robot: robot.to_owned(),
-                patch: missing.clone(),
-                known: known.join(", "),
-            });
+            if let Some(missing) = patches.iter().find(|name| !is_there(name)) {
+                let mut known: Vec<_> = there.keys().map(|space| format!("`{}`", space.patch)).collect();
+                known.dedup();
+                return Err(ZenohError::Patch {
+                    robot: robot.to_owned(),
+                    patch: missing.clone(),
+                    known: known.join(", "),
+                });
+            }
+            let Some((space, runs)) = claimed else { break };
+            return Err(ZenohError::Claimed { space: space.clone().into(), count: runs.len() });
         }
         thread::sleep(LOOK);
     }

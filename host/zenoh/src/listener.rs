@@ -329,7 +329,7 @@ impl Listener {
 pub(crate) fn find(session: &Session, is_over: impl Fn() -> bool) -> Result<Option<String>, ZenohError> {
     while !is_over() {
         let mut robots: BTreeSet<String> =
-            alive(session, None)?.into_iter().map(|space| space.robot).collect();
+            alive(session, None)?.into_keys().map(|space| space.robot).collect();
         match robots.len() {
             0 => std::thread::sleep(LOOK),
             1 => return Ok(robots.pop_first()),
@@ -341,13 +341,18 @@ pub(crate) fn find(session: &Session, is_over: impl Fn() -> bool) -> Result<Opti
     Ok(None)
 }
 
-/// The skins of a robot, or of all, that are served now.
-pub(crate) fn alive(session: &Session, robot: Option<&str>) -> Result<BTreeSet<Space>, ZenohError> {
+/// The skins of a robot, or of all, that are served now, each with the runs of programs that say so.
+pub(crate) fn alive(
+    session: &Session,
+    robot: Option<&str>,
+) -> Result<BTreeMap<Space, BTreeSet<u64>>, ZenohError> {
     let replies = session.liveliness().get(all_alive(robot)).timeout(ANSWERED).wait()?;
-    let mut there = BTreeSet::new();
+    let mut there = BTreeMap::<_, BTreeSet<_>>::new();
     while let Ok(reply) = replies.recv() {
         let key = reply.result().ok().map(|sample| sample.key_expr().as_str().to_owned());
-        there.extend(key.and_then(|key| Space::of_alive(&key)).map(|(space, _)| space));
+        if let Some((space, run)) = key.and_then(|key| Space::of_alive(&key)) {
+            there.entry(space).or_default().insert(run);
+        }
     }
     Ok(there)
 }

@@ -1,5 +1,6 @@
 //! Settings: where on the network, by a configuration file of Zenoh's own and by endpoints.
 
+use crate::key::Space;
 use std::path::PathBuf;
 use zenoh::{Config, Session, Wait, config::EndPoint};
 
@@ -60,6 +61,16 @@ pub enum ZenohError {
         patch: String,
         /// Those that are there.
         known: String,
+    },
+    /// An order would be carried out more than once.
+    #[error(
+        "{count} programs say that they serve `{space}`, and each would do it; end all but one (`dermatome body` names their computers)"
+    )]
+    Claimed {
+        /// The skin.
+        space: Box<Space>,
+        /// How many say so.
+        count: usize,
     },
     /// What Zenoh does not do.
     #[error("Zenoh: {0}")]

@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 pub const MAX_INTEGRATION: u8 = 64;
 /// Longest time for a switched voltage to settle, carrier periods.
 pub const MAX_SETTLING: f32 = 100.0;
+/// Most frames a second, Hz: no board scans a skin so often.
+pub const MAX_FRAME_RATE: f32 = 100e3;
 /// Gains a board may have, largest last.
 pub const GAINS: [u8; 7] = [1, 2, 4, 8, 16, 32, 64];
 
@@ -76,7 +78,10 @@ impl Drive {
         let checks = [
             (positive(self.frequency), "drive.frequency (more than 0 Hz)"),
             (positive(self.amplitude), "drive.amplitude (more than 0 A)"),
-            (positive(self.frame_rate), "drive.frame_rate (more than 0 Hz)"),
+            (
+                positive(self.frame_rate) && self.frame_rate <= MAX_FRAME_RATE,
+                "drive.frame_rate (more than 0 Hz, at most 100 kHz)",
+            ),
             ((0.0..=360.0).contains(&self.phase), "drive.phase (0 to 360 degrees)"),
             ((0.0..=MAX_SETTLING).contains(&self.settling), "drive.settling (0 to 100 carrier periods)"),
             (

@@ -1,8 +1,8 @@
 //! Keeper: holds one board, whatever happens to it.
 //!
-//! A thread of its own opens the port, makes sure that the board holds this skin's patch, gives it back the drive and the
-//! reference that it had, and streams. A board that is lost is tried again until it answers; one that has lost its
-//! reference gets a new one once nothing presses. What it does, and what comes, it [tells](Told).
+//! A thread of its own opens the port, makes sure that the board holds this skin's patch, gives it back the drive that
+//! it had, and streams. A board that is lost is tried again until it answers; one that has lost its reference gets a new one
+//! once nothing presses, and with it a new drive that was asked for. What it does, and what comes, it [tells](Told).
 
 mod averaging;
 mod told;
@@ -28,7 +28,7 @@ use std::{
     thread::{self, JoinHandle},
     time::{Duration, Instant},
 };
-pub(crate) use told::WAITS;
+pub(crate) use told::{DRIVE_WAITS, WAITS};
 pub use told::{Phase, Reference, State, Told};
 
 /// Time until a board is tried again, which doubles up to the longest.
@@ -40,8 +40,14 @@ const FULL_PAUSE: Duration = Duration::from_secs(10);
 const LOOK: Duration = Duration::from_millis(20);
 /// How often a skin that is pressed is looked at again.
 const LOOK_AGAIN: Duration = Duration::from_millis(300);
-/// Time without a contact after which a tare begins that waits for it.
+/// Time without a contact after which a tare begins, or the drive changes, that waits for it.
 const FREE: Duration = Duration::from_millis(500);
+
+/// The same of this board: two frames at least.
+fn free_time(patch: &PatchInfo) -> Duration {
+    let frames = Duration::try_from_secs_f64(2.0 / f64::from(patch.drive.frame_rate));
+    frames.unwrap_or(FREE).max(FREE)
+}
 
 /// What is said of a board that makes a reference.
 const AVERAGING: &str = "averaging the untouched skin";
@@ -51,7 +57,7 @@ const AVERAGING: &str = "averaging the untouched skin";
 pub enum Asked {
     /// Make a new reference, once nothing presses.
     Tare,
-    /// Drive the skin like this from now on, and after every restart of the board.
+    /// Drive the skin like this, once nothing presses, and after every restart of the board.
     Drive(Drive),
 }
 
@@ -93,6 +99,7 @@ impl Keeper {
             made_now: false,
             has_come: false,
             wants_tare: false,
+            wants_drive: None,
         };
         let thread = thread::Builder::new().name(patch.name.clone()).spawn(move || board.keep())?;
         Ok(Self { orders, thread: Some(thread) })
@@ -170,6 +177,8 @@ struct Board {
     made_now: bool,
     has_come: bool,
     wants_tare: bool,
+    /// A drive that waits until nothing presses.
+    wants_drive: Option<Drive>,
 }
 
 impl Board {
@@ -222,7 +231,7 @@ impl Board {
         loop {
             match self.orders.recv_timeout(until.saturating_duration_since(Instant::now())) {
                 Ok(Order::Do(Asked::Tare)) => self.wants_tare = true,
-                Ok(Order::Do(Asked::Drive(drive))) => self.drive = Some(drive),
+                Ok(Order::Do(Asked::Drive(drive))) => self.wants_drive = Some(drive),
                 Ok(Order::Stop) | Err(RecvTimeoutError::Disconnected) => return Some(Stop),
                 Err(RecvTimeoutError::Timeout) => return None,
             }
@@ -270,17 +279,25 @@ impl Board {
         (self.tell)(Told::Driven(Box::new(Driven { drive, front_end: self.front_end })));
     }
 
-    /// Does what has been asked for, with a board that is there: says whether it drives its skin otherwise now.
-    fn obey(&mut self, link: &mut Link, patch: &mut PatchInfo) -> Result<ControlFlow<Stop, bool>, LinkError> {
-        let mut is_changed = false;
+    /// Takes what has been asked for, with a board that is there; the drive changes if the skin is free. Says whether it is
+    /// driven otherwise now.
+    fn obey(
+        &mut self,
+        link: &mut Link,
+        patch: &mut PatchInfo,
+        is_free: bool,
+    ) -> Result<ControlFlow<Stop, bool>, LinkError> {
         loop {
             match self.orders.try_recv() {
                 Ok(Order::Do(Asked::Tare)) => self.wants_tare = true,
-                Ok(Order::Do(Asked::Drive(drive))) => is_changed |= self.change_drive(link, patch, drive)?,
+                Ok(Order::Do(Asked::Drive(drive))) => self.wants_drive = Some(drive),
                 Ok(Order::Stop) | Err(TryRecvError::Disconnected) => return Ok(ControlFlow::Break(Stop)),
-                Err(TryRecvError::Empty) => return Ok(ControlFlow::Continue(is_changed)),
+                Err(TryRecvError::Empty) => break,
             }
         }
+        let drive = self.wants_drive.take_if(|_| is_free);
+        let is_changed = drive.map_or(Ok(false), |drive| self.change_drive(link, patch, drive));
+        is_changed.map(ControlFlow::Continue)
     }
 
     /// Has the skin driven like this; the board may refuse. Says whether it is driven otherwise now.
@@ -351,7 +368,7 @@ impl Board {
             if let Some(why) = averaging.too_late() {
                 return Err(link.error(why));
             }
-            match self.obey(link, patch)? {
+            match self.obey(link, patch, true)? {
                 ControlFlow::Break(stop) => return Ok(Some(stop)),
                 ControlFlow::Continue(true) => averaging = Averaging::begin(link, patch)?,
                 ControlFlow::Continue(false) => {}
@@ -387,7 +404,7 @@ impl Board {
         patch: &mut PatchInfo,
         begins_with_tare: bool,
     ) -> Result<Option<Stop>, LinkError> {
-        let mut silence = frame_timeout(patch);
+        let (mut silence, free) = (frame_timeout(patch), free_time(patch));
         let mut stream = link.subscribe(self.selection)?;
         let thinned_out = stream.thinned_out(self.selection).unwrap_or_default();
         let mut averaging = None;
@@ -396,24 +413,34 @@ impl Board {
         } else {
             self.state(Phase::Live, thinned_out.as_str());
         }
-        let (mut heard, mut touched) = (Instant::now(), Instant::now());
-        let mut is_said = false;
+        // When a frame came, one with contacts, and one with contacts that nothing is known to be wrong with: a new drive, which
+        // may mend what is wrong, waits for these alone.
+        let [mut heard, mut touched, mut pressed] = [Instant::now(); 3];
+        // What waits for the skin to be free, in words.
+        let mut said = "";
         loop {
-            match self.obey(stream.link(), patch)? {
+            let is_free = averaging.is_some() || pressed.elapsed() >= free;
+            let mut is_to_tare = self.wants_tare && averaging.is_none() && touched.elapsed() >= free;
+            match self.obey(stream.link(), patch, is_free)? {
                 ControlFlow::Break(stop) => {
                     stream.stop()?;
                     return Ok(Some(stop));
                 }
                 // The board begins that of a tare anew, and all may take longer now.
                 ControlFlow::Continue(true) => {
-                    (self.wants_tare, averaging, silence) = (true, None, frame_timeout(patch));
+                    (is_to_tare, silence) = (true, frame_timeout(patch));
+                }
+                // It waits no more, as it was refused.
+                ControlFlow::Continue(false) if said == DRIVE_WAITS && self.wants_drive.is_none() => {
+                    self.state(Phase::Live, thinned_out.as_str());
+                    said = "";
                 }
                 ControlFlow::Continue(false) => {}
             }
-            if self.wants_tare && averaging.is_none() && touched.elapsed() >= FREE {
+            if is_to_tare {
                 self.wants_tare = false;
                 if self.shows_tares() {
-                    (averaging, is_said) = (Some(Averaging::begin(stream.link(), patch)?), false);
+                    (averaging, said) = (Some(Averaging::begin(stream.link(), patch)?), "");
                     continue;
                 }
                 stream.stop()?;
@@ -421,19 +448,21 @@ impl Board {
             }
             let Some(frame) = stream.next(LOOK)? else {
                 if heard.elapsed() > silence {
-                    let error = LinkErrorKind::NoAnswer { timeout: silence };
-                    // It may have started anew on the same link.
-                    return if stream.link().info()?.streaming.any() {
-                        Err(stream.link().error(error))
-                    } else {
-                        Ok(None)
-                    };
+                    // What it said before is over, while it is asked whether it has started anew on the same link.
+                    self.state(Phase::Lost, format!("no frame came for {:.1} s", silence.as_secs_f32()));
+                    if stream.link().info()?.streaming.any() {
+                        return Err(stream.link().error(LinkErrorKind::NoAnswer { timeout: silence }));
+                    }
+                    return Ok(None);
                 }
                 continue;
             };
             heard = Instant::now();
             if frame.contacts.as_ref().is_some_and(|contacts| !contacts.is_empty()) {
                 touched = heard;
+                if frame.at.is_some_and(|at| at.flags.leaves_contacts_valid()) {
+                    pressed = heard;
+                }
             }
             if let Some(tare) = &mut averaging {
                 match tare.take(&frame) {
@@ -451,8 +480,14 @@ impl Board {
                     Taken::TooLate(why) => return Err(stream.link().error(why)),
                 }
             }
-            if self.wants_tare && touched == heard && !std::mem::replace(&mut is_said, true) {
-                self.state(Phase::Live, WAITS);
+            let waits = if self.wants_drive.is_some() {
+                (pressed == heard).then_some(DRIVE_WAITS)
+            } else {
+                (self.wants_tare && touched == heard).then_some(WAITS)
+            };
+            if let Some(words) = waits.filter(|words| *words != said) {
+                said = words;
+                self.state(Phase::Live, words);
             }
             let missing = stream.totals().frames_missing;
             (self.tell)(Told::Frame { frame: Box::new(frame), received_ns: now_ns(), missing });

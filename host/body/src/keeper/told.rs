@@ -60,11 +60,20 @@ pub struct State {
 /// What is said while a new reference waits for something to leave the skin.
 pub(crate) const WAITS: &str = "something presses on the skin: its new reference waits until it is free";
 
+/// The same of a drive that was asked for.
+pub(crate) const DRIVE_WAITS: &str = "something presses on the skin: its new drive waits until it is free";
+
 impl State {
     /// Whether a new reference waits for something to leave the skin.
     #[must_use]
     pub fn waits(&self) -> bool {
         self.text == WAITS
+    }
+
+    /// Whether a new drive does, and the reference that comes with it.
+    #[must_use]
+    pub fn drive_waits(&self) -> bool {
+        self.text == DRIVE_WAITS
     }
 }
 

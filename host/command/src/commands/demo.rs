@@ -55,7 +55,8 @@ pub(super) struct Args {
     #[arg(long, requires = "view")]
     no_browser: bool,
     /// Show an arm with three skins instead (models/arm), each on a simulated board, served as `serve` does: touched at
-    /// several links at once, and stroked. Fails if a touch is not felt.
+    /// several links at once, and stroked. Fails if a touch is not felt, as happens with much noise. Not with --png, nor
+    /// with --record: `serve --record` records the same arm.
     #[arg(long, conflicts_with_all = ["png", "record"])]
     robot: bool,
     /// With --robot: serve the page at this address of this computer while the script is played: 127.0.0.1:8765.

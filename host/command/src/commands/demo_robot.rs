@@ -28,6 +28,8 @@ use std::{
 
 /// Longest that boards may need until they have played the script, beyond its own length: they are slower where the machine is.
 const PATIENCE: Duration = Duration::from_secs(90);
+/// Longest until the first of their frames.
+const FIRST_FRAME: Duration = Duration::from_secs(20);
 /// How far the arm's joints sway to each side, rad, and how long that takes, s.
 const SWAY: (f64, f64) = (0.12, 8.0);
 
@@ -186,7 +188,9 @@ impl Follower for Audience {
     }
 
     fn is_done(&self) -> bool {
-        !self.stays && self.felt.iter().all(|felt| felt.seen() >= SECONDS)
+        let is_mute =
+            || self.begun.elapsed() > FIRST_FRAME && self.felt.iter().all(|felt| felt.frames() == 0);
+        !self.stays && (self.felt.iter().all(|felt| felt.seen() >= SECONDS) || is_mute())
     }
 }
 
@@ -235,6 +239,7 @@ fn line(touch: &TouchScore) -> String {
     let stroke = if from == to { String::new() } else { format!("  stroke to {to}") };
     let error = match (touch.error_mm_mean, touch.error_mm_max) {
         (Some(mean), Some(worst)) => format!("mean {mean:.2}, worst {worst:.2}"),
+        _ if touch.frames == 0 => "not played".to_owned(),
         _ => "not felt".to_owned(),
     };
     let felt = format!("{} of {}", touch.frames_felt, touch.frames);

@@ -111,6 +111,9 @@ impl Averaging {
     }
 }
 
+/// The status while frames come.
+pub(super) const LIVE: &str = "live";
+
 /// Where frames go.
 pub(super) struct Outlets {
     outlook: Outlook,
@@ -127,6 +130,8 @@ pub(super) struct Outlets {
     /// The last reference and the frames that it was made of, for other patches.
     tare: Vec<Item>,
     has_warned: bool,
+    /// Whether frames come, as was told last.
+    is_live: bool,
 }
 
 impl Outlets {
@@ -152,6 +157,7 @@ impl Outlets {
             drive: None,
             tare: Vec::new(),
             has_warned: false,
+            is_live: false,
         }
     }
 
@@ -329,9 +335,13 @@ impl Outlets {
         made.is_some()
     }
 
-    /// Tells how the session stands.
+    /// Tells how the session stands. What the board said is over when it is no longer live.
     pub(super) fn status(&mut self, status: Status) {
         let now = now_ns();
+        let is_live = status.state == LIVE;
+        if std::mem::replace(&mut self.is_live, is_live) && !is_live {
+            self.scene.over(&status.text, now).into_iter().for_each(|packed| self.send(packed));
+        }
         let status = Status { header: self.outlook.place.header(now), ..status };
         self.send(Packed::now(Topic::Status, now, cdr::encode(&status)));
     }

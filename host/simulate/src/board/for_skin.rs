@@ -31,8 +31,11 @@ pub enum SimulationError {
     Board(#[from] BoardError),
 }
 
+/// Time for which the finger lifts after each round, s: what waits for a free skin, such as a tare, is done then.
+const LIFTED: f64 = 4.0;
+
 /// What a port `sim:PATH` opens: a board that already holds the skin's patch, with a finger going
-/// round on the skin while it streams.
+/// round on the skin while it streams, which lifts after each round.
 pub fn board_for_skin(path: &Path) -> Result<SimulatedBoard, SimulationError> {
     let skin = Skin::load(path)?.made()?;
     let (patch, instrument) =
@@ -46,5 +49,5 @@ pub fn board_for_skin(path: &Path) -> Result<SimulatedBoard, SimulationError> {
 fn patch_and_instrument(skin: &Skin) -> Result<(Vec<u8>, SimulatedSkin), RigError> {
     let patch = quantize::patch(skin, &Model::build(skin, |_| ())?)?;
     let outline = skin.shape.from_above().map_err(ModelError::from)?;
-    Ok((patch, SimulatedSkin::new(skin, Script::round(&outline), DEFAULT_NOISE)?))
+    Ok((patch, SimulatedSkin::new(skin, Script::round(&outline).with_pause(LIFTED), DEFAULT_NOISE)?))
 }

@@ -81,6 +81,13 @@ impl Script {
         Self { fingers: vec![(0..=64).map(at).collect()], duration: 8.0 }
     }
 
+    /// This script, after which fingers that move lift for so long, s, before it starts again.
+    #[must_use]
+    pub fn with_pause(mut self, pause: f64) -> Self {
+        self.duration += pause;
+        self
+    }
+
     /// One indenter at a time; `None` before its first and after its last moment.
     #[must_use]
     pub fn at(moments: &[Moment], time: f64) -> Option<Press> {
@@ -211,6 +218,20 @@ mod tests {
             assert!((pressure - expected).abs() < 1e-6, "{time}: {pressure}");
         }
         assert_eq!(script.presses(5.0), []);
+    }
+
+    #[test]
+    fn in_the_pause_nothing_presses_and_then_it_starts_again() {
+        let outline = Outline::disc(0.1);
+        let (round, pausing) = (Script::round(&outline), Script::round(&outline).with_pause(4.0));
+        for time in [0.0, 3.25, 7.875] {
+            let presses = pausing.presses(time);
+            assert_eq!((presses.len(), &presses), (1, &round.presses(time)));
+            assert_eq!(pausing.presses(12.0 + time), presses);
+        }
+        for time in [8.1, 11.9] {
+            assert_eq!(pausing.presses(time), []);
+        }
     }
 
     #[test]

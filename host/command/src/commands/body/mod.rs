@@ -40,7 +40,8 @@ pub(super) struct Args {
     /// once the skin is free.
     #[arg(long, value_name = "PATCH", conflicts_with_all = ["drive", "duration", "json"])]
     tare: Vec<String>,
-    /// Drive this skin, or `all`, otherwise; may be repeated. A new reference follows: nothing may touch the skin.
+    /// Drive this skin, or `all`, otherwise; may be repeated. A new reference follows. Where something
+    /// presses, that is said, and it waits until the skin is free.
     #[arg(long, value_name = "PATCH", requires = "Change", conflicts_with_all = ["duration", "json"])]
     drive: Vec<String>,
     #[command(flatten)]

@@ -58,8 +58,8 @@ const DRAWN: Duration = Duration::from_millis(500);
 
 /// Run all boards of a robot: contacts of every skin in its link's frame, and what presses on each link.
 ///
-/// Each board is kept for itself: one that is lost, or was never there, is tried again until it answers, and gets back the
-/// drive and the reference that it had. It never gets a new reference while something presses. Times are by this
+/// Each board is kept for itself: one that is lost, or was never there, is tried again until it answers. It gets back the
+/// drive that it had and, if it has lost its reference, a new one, but never while something presses. Times are by this
 /// computer's clock.
 ///
 /// Prints one line of JSON for each frame and for each change of a board (docs/serve.md); on a terminal a table instead.

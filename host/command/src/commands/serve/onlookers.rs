@@ -6,7 +6,7 @@ use super::{
 };
 use crate::commands::{
     doors::Doors,
-    outlets::Outlets,
+    outlets::{LIVE, Outlets},
     outputs::Output,
     view::calls::{self, Change, DRIVE, OF_EACH, TARE},
 };
@@ -136,7 +136,11 @@ impl Onlookers {
                 }
             }
             Told::NotDriven(why) => *refused = Some(format!("the board keeps its drive: {why}")),
-            Told::State(_) | Told::Reference(_) => {}
+            Told::State(state) => {
+                stand_so(status, state);
+                outlets.status(status.clone());
+            }
+            Told::Reference(_) => {}
         }
     }
 
@@ -148,10 +152,8 @@ impl Onlookers {
         }
         self.told = Instant::now();
         for (stand, sense) in self.stands.iter_mut().zip(senses) {
-            let (state, advice) = in_words(&sense.state);
             let status = &mut stand.status;
-            (status.state, status.text, status.advice) =
-                (state.to_owned(), sense.state.text.clone(), advice.to_owned());
+            stand_so(status, &sense.state);
             status.warnings = warnings(stand.refused.as_deref(), &stand.rules, sense);
             (status.frames, status.frames_lost) = (sense.frames, sense.missing);
             status.frames_per_second = (sense.frames - stand.frames) as f32 / since.as_secs_f32();
@@ -219,6 +221,12 @@ fn warnings(refused: Option<&str>, rules: &[ReflexRule], sense: &Sense) -> Vec<S
     refused.map(str::to_owned).into_iter().chain(of_reflexes.unwrap_or_default()).collect()
 }
 
+/// A board stands so from now on.
+fn stand_so(status: &mut Status, state: &State) {
+    let (word, advice) = in_words(state);
+    (status.state, status.text, status.advice) = (word.to_owned(), state.text.clone(), advice.to_owned());
+}
+
 /// The page's word for how a board stands, and what to do.
 fn in_words(state: &State) -> (&'static str, &'static str) {
     match state.phase {
@@ -227,7 +235,7 @@ fn in_words(state: &State) -> (&'static str, &'static str) {
         Phase::NoPatch | Phase::OtherPatch => ("no_patch", "send the skin's patch to it"),
         Phase::NotTared => ("not_tared", "free the skin: the board makes its new reference then"),
         Phase::Taring => ("taring", "do not touch the skin until it is done"),
-        Phase::Live => ("live", ""),
+        Phase::Live => (LIVE, ""),
         Phase::Ended => ("ended", ""),
     }
 }

@@ -16,7 +16,7 @@ use crate::commands::{
     board::advise,
     current::Current,
     interrupt,
-    outlets::{Outlets, recorded_in_words},
+    outlets::{LIVE, Outlets, recorded_in_words},
     stream::session::Session as Board,
 };
 use anyhow::{Context, ensure};
@@ -363,7 +363,7 @@ impl<'a> Desk<'a> {
         let shown = self.shown(frame);
         let is_tared = self.outlets.frame(frame, shown.as_ref());
         if frame.contacts.is_some() {
-            self.state("live", "", "");
+            self.state(LIVE, "", "");
         } else if self.outlets.is_taring() {
             self.state(
                 "taring",
