@@ -1,5 +1,5 @@
-//! Any finite values as frames of a small skin. The check never fails on frames of the right length,
-//! and its shares and correlations stay in range.
+//! Any finite values as frames of a small skin, and as those from when all was well. The check never fails on frames of the
+//! right length, and its shares and correlations stay in range.
 #![no_main]
 
 use dermatome::recorded::{
@@ -22,6 +22,7 @@ struct Input {
     measured: bool,
     complex: bool,
     values: Vec<f64>,
+    good: Vec<f64>,
 }
 
 /// Point electrodes on a disc, each with a contact.
@@ -33,23 +34,29 @@ fn disc(driven: Driven) -> Expected {
     Expected::new(pattern(ELECTRODES, 1, 1, driven).collect(), ELECTRODES, transfer)
 }
 
-fuzz_target!(|input: Input| {
-    let expected = disc(if input.measured { Driven::Measured } else { Driven::Skipped });
-    let measurements = if input.square { 64 } else { expected.steps.len() };
-    let values: Vec<Complex64> = input
-        .values
-        .chunks(if input.complex { 2 } else { 1 })
+/// Frames of as many whole ones as the values make; none of less than one.
+fn frames(values: &[f64], measurements: usize, complex: bool) -> Option<Frames> {
+    let mut values: Vec<Complex64> = values
+        .chunks(if complex { 2 } else { 1 })
         .map(|parts| Complex64::new(parts[0], parts.get(1).copied().unwrap_or(0.0)))
         .filter(|value| value.is_finite())
         .collect();
     let frames = values.len() / measurements;
-    if frames == 0 {
-        return;
-    }
-    let values = values[..frames * measurements].to_vec();
-    let frames = Frames { values, frames, measurements, complex: input.complex };
+    values.truncate(frames * measurements);
+    (frames > 0).then_some(Frames { values, frames, measurements, complex })
+}
+
+fuzz_target!(|input: Input| {
+    let model = disc(if input.measured { Driven::Measured } else { Driven::Skipped });
+    let measurements = if input.square { 64 } else { model.steps.len() };
     let sense = if input.relative { SenseOrder::Relative } else { SenseOrder::Absolute };
     let used = Arrangement { sense, rotation: input.rotation % ELECTRODES, mirrored: input.mirrored };
+    let expected = match frames(&input.good, measurements, input.complex) {
+        // Of zeros alone they say nothing.
+        Some(good) => model.clone().measured(&good, used).unwrap_or(model),
+        None => model,
+    };
+    let Some(frames) = frames(&input.values, measurements, input.complex) else { return };
     let found = check(&expected, &frames, used).unwrap();
     let percent =
         found.electrodes.iter().flat_map(|e| [e.drive_off_percent, e.sense_off_percent, e.noisy_percent]);

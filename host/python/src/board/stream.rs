@@ -2,11 +2,12 @@
 
 use crate::{
     desk::{Desk, Queue},
+    error::raised,
     frame::Frame,
 };
 use dermatome_link::pose::Pose;
-use pyo3::prelude::*;
-use std::sync::Arc;
+use pyo3::{exceptions::PyRuntimeWarning, prelude::*};
+use std::{ffi::CString, sync::Arc};
 
 /// Frames as they come; the board stops when this is closed, or forgotten.
 #[pyclass(frozen, module = "dermatome")]
@@ -25,6 +26,14 @@ impl Stream {
 
     fn __next__(&self, py: Python<'_>) -> PyResult<Option<Frame>> {
         while let Some((frame, came)) = self.queue.take(py)? {
+            if let Some(words) = self.queue.take_warning() {
+                PyErr::warn(
+                    py,
+                    &py.get_type::<PyRuntimeWarning>(),
+                    &CString::new(words).map_err(raised)?,
+                    1,
+                )?;
+            }
             if let Some(frame) = Frame::of_board(py, &frame, came, self.pose.as_ref())? {
                 return Ok(Some(frame));
             }

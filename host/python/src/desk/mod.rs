@@ -166,6 +166,9 @@ impl Worker {
             Ok(subscription) => subscription,
             Err(error) => return (Err(error), None),
         };
+        if let Some(words) = subscription.thinned_out(selection) {
+            queue.warn(words);
+        }
         let mut heard = Instant::now();
         loop {
             match self.next() {

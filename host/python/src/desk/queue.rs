@@ -41,6 +41,8 @@ struct State {
     lost: u64,
     /// Frames that came and were dropped here.
     dropped: u64,
+    /// In words, where less comes than was asked for, until somebody has been told.
+    warning: Option<String>,
     /// How it ended, once it has.
     ended: Option<Result<(), LinkError>>,
 }
@@ -67,6 +69,16 @@ impl Queue {
         state.frames.push_back((frame, SystemTime::now()));
         state.lost = lost;
         self.changed.notify_all();
+    }
+
+    /// Less comes than was asked for, in words.
+    pub(super) fn warn(&self, words: String) {
+        self.state().warning = Some(words);
+    }
+
+    /// The same, once.
+    pub(crate) fn take_warning(&self) -> Option<String> {
+        self.state().warning.take()
     }
 
     pub(super) fn end(&self, ended: Result<(), LinkError>) {
