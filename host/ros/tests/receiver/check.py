@@ -1,8 +1,9 @@
 """`dermatome serve --ros`, heard by another DDS than its own: what arrives is what the program printed.
 
-    check.py PROGRAM
+    check.py PROGRAM [--bounds]
 
-PROGRAM is built with `--features ros`. Needs the packages of requirements.txt. Nothing leaves this computer.
+PROGRAM is built with `--features ros`. With --bounds, late messages fail, which says something of a release build on a
+computer without other work. Needs the packages of requirements.txt. Nothing leaves this computer.
 """
 
 import json
@@ -43,10 +44,10 @@ position = ["0 mm", "0 mm", "40 mm"]
 orientation = [0, 0, 0, 1]
 """
 SECONDS = 15
-# Of the end of a scan to here, ms.
+# Of the end of a scan to here with --bounds, ms.
 MOST_MEDIAN, MOST_99 = 5, 15
-# By how much a program that sleeps may wake too late for that to be measured, ms, 99 %.
-MOST_BUSY = 4
+# A stamp of another clock is off by more, ms.
+SAME_CLOCK = 1000
 GAIN_AS_IT_IS = 255
 NAN = math.nan
 
@@ -151,19 +152,9 @@ def setUpModule():
     except TimeoutError:
         print((desk.path / "serve.log").read_text(), file=sys.stderr)
         raise
-    desk.waits = waits(SECONDS)
+    time.sleep(SECONDS)
     # Before the tests decode what came, which keeps this program from hearing the next.
     desk.undisturbed = {skin: list(heard.received[f"/arm/{skin}/contacts"]) for skin in ["palm", "elbow"]}
-
-
-def waits(seconds):
-    """By how much a program that sleeps wakes too late, ms: what a busy computer adds at each step of a message's way."""
-    begun, late = time.monotonic(), []
-    while time.monotonic() < begun + seconds:
-        before = time.monotonic()
-        time.sleep(0.01)
-        late.append((time.monotonic() - before - 0.01) * 1e3)
-    return late
 
 
 def most_of(values):
@@ -272,24 +263,19 @@ class A_Frames(unittest.TestCase):
         self.assertGreater(drawn, 0)
 
     def test_the_end_of_a_scan_is_soon_heard(self):
-        found = []
         for skin in ["palm", "elbow"]:
             # Before, the offset between the clocks is not known yet.
             arrivals = desk.undisturbed[skin][100:]
             late = [(it.came - nanoseconds(it.message.header.stamp)) * 1e-6 for it in arrivals]
-            found.append((statistics.median(late), most_of(late)))
+            median, most = statistics.median(late), most_of(late)
             print(
-                f"{skin}: end of scan to a DDS subscriber: median {found[-1][0]:.2f} ms, 99 % {found[-1][1]:.2f} ms, "
+                f"{skin}: end of scan to a DDS subscriber: median {median:.2f} ms, 99 % {most:.2f} ms, "
                 f"largest {max(late):.2f} ms, of {len(late)} frames"
             )
-        busy = most_of(desk.waits)
-        if busy > MOST_BUSY:
-            why = f"this computer is busy and wakes who sleeps {busy:.1f} ms too late (99 %)"
-            print(f"whether that is soon enough: *not run*, {why}")
-            self.skipTest(why)
-        for median, most in found:
-            self.assertLessEqual(median, MOST_MEDIAN)
-            self.assertLessEqual(most, MOST_99)
+            self.assertLess(abs(median), SAME_CLOCK)
+            if BOUNDS:
+                self.assertLessEqual(median, MOST_MEDIAN)
+                self.assertLessEqual(most, MOST_99)
 
 
 class B_Robot(unittest.TestCase):
@@ -408,5 +394,8 @@ class E_End(unittest.TestCase):
 if __name__ == "__main__":
     if len(sys.argv) < 2:
         sys.exit(__doc__)
+    BOUNDS = "--bounds" in sys.argv
+    if BOUNDS:
+        sys.argv.remove("--bounds")
     PROGRAM = Path(sys.argv.pop(1)).resolve()
     unittest.main()

@@ -1,8 +1,9 @@
 """`dermatome serve --zenoh`, heard by Zenoh's Python package: what arrives is what the program printed.
 
-    check.py PROGRAM
+    check.py PROGRAM [--bounds]
 
-PROGRAM is built with `--features zenoh`. Needs the packages of requirements.txt. Nothing leaves this computer.
+PROGRAM is built with `--features zenoh`. With --bounds, late messages fail, which says something of a release build on a
+computer without other work. Needs the packages of requirements.txt. Nothing leaves this computer.
 """
 
 import json
@@ -32,10 +33,10 @@ orientation = [0.5, 0.5, 0.5, 0.5]
 """
 SPACE = "dermatome/arm/hand:palm.left/palm"
 SECONDS = 12
-# Of the end of a scan to here, ms.
+# Of the end of a scan to here with --bounds, ms.
 MOST_MEDIAN, MOST_99 = 5, 15
-# By how much a program that sleeps may wake too late for that to be measured, ms, 99 %.
-MOST_BUSY = 4
+# A stamp of another clock is off by more, ms.
+SAME_CLOCK = 1000
 
 
 def free_port():
@@ -54,12 +55,7 @@ def setUpModule():
     desk = Desk(PROGRAM)
     unittest.addModuleCleanup(desk.close)
     desk.wait_for("contacts", 60)
-    late, begun = [], time.monotonic()
-    while time.monotonic() < begun + SECONDS:
-        before = time.monotonic()
-        time.sleep(0.01)
-        late.append((time.monotonic() - before - 0.01) * 1e3)
-    desk.busy = most_of(late)
+    time.sleep(SECONDS)
     # Before the tests decode what came, which keeps this program from hearing the next.
     desk.undisturbed = list(desk.came["contacts"])
 
@@ -168,12 +164,10 @@ class A_Frames(unittest.TestCase):
             f"end of scan to a Zenoh subscriber in Python: median {median:.2f} ms, 99 % {most:.2f} ms, "
             f"largest {max(late):.2f} ms, of {len(late)} frames"
         )
-        if desk.busy > MOST_BUSY:
-            why = f"this computer is busy and wakes who sleeps {desk.busy:.1f} ms too late (99 %)"
-            print(f"whether that is soon enough: *not run*, {why}")
-            self.skipTest(why)
-        self.assertLessEqual(median, MOST_MEDIAN)
-        self.assertLessEqual(most, MOST_99)
+        self.assertLess(abs(median), SAME_CLOCK)
+        if BOUNDS:
+            self.assertLessEqual(median, MOST_MEDIAN)
+            self.assertLessEqual(most, MOST_99)
 
 
 class B_Questions(unittest.TestCase):
@@ -243,5 +237,8 @@ class B_Questions(unittest.TestCase):
 if __name__ == "__main__":
     if len(sys.argv) < 2:
         sys.exit(__doc__)
+    BOUNDS = "--bounds" in sys.argv
+    if BOUNDS:
+        sys.argv.remove("--bounds")
     PROGRAM = Path(sys.argv.pop(1)).resolve()
     unittest.main()
