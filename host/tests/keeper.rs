@@ -3,24 +3,19 @@
 mod program;
 
 use dermatome::{
-    body::{
-        file::BodyFile,
-        keeper::{Asked, Keeper, Phase, Reference, Told},
-        surface,
-    },
+    body::keeper::{Asked, Phase, Reference, Told},
     shared::{drive::Drive, protocol::Selection},
-    skin::Skin,
 };
-use program::{Desk, Running, TINY};
+use program::{
+    Desk, Running,
+    keeping::{is, keep, wait},
+};
 use std::{
-    path::Path,
-    sync::mpsc::{Receiver, channel},
+    sync::mpsc::Receiver,
     thread,
     time::{Duration, Instant},
 };
 
-const BODY: &str = "name = \"arm\"\n[[patches]]\nname = \"palm\"\nskin = \"skin.toml\"\nport = \"PORT\"\n\
-                    link = \"hand\"\nposition = [0, 0, 0]\norientation = [0, 0, 0, 1]\n";
 /// With raw codes: then a tare is made in the stream.
 const RECORDED: Selection =
     Selection { images: 0, contacts: 1, measurements: 1, health: 0, scope: 0, scope_slot: 0 };
@@ -32,9 +27,9 @@ fn a_drive_that_is_asked_for_in_a_tare_is_that_of_the_reference() {
         let (desk, _board, port) = board();
         let (keeper, told) = keep(&desk, &port, selection);
         let before = reference(&told);
-        wait(&told, |told| is(told, Phase::Live).then_some(()));
+        wait(&told, |told| is(&told, Phase::Live).then_some(()));
         keeper.ask(Asked::Tare);
-        wait(&told, |told| is(told, Phase::Taring).then_some(()));
+        wait(&told, |told| is(&told, Phase::Taring).then_some(()));
         // Some of the frames that it averages have come.
         thread::sleep(Duration::from_millis(300));
         // So slow that this tare would not end in the time that it has.
@@ -56,13 +51,13 @@ fn who_asks_for_a_tare_while_one_is_made_gets_one() {
     for selection in [RECORDED, SERVED] {
         let (desk, _board, port) = board();
         let (keeper, told) = keep(&desk, &port, selection);
-        wait(&told, |told| is(told, Phase::Live).then_some(()));
+        wait(&told, |told| is(&told, Phase::Live).then_some(()));
         // The second is asked for in the first.
         for _ in 0..2 {
             keeper.ask(Asked::Tare);
-            wait(&told, |told| is(told, Phase::Taring).then_some(()));
+            wait(&told, |told| is(&told, Phase::Taring).then_some(()));
         }
-        wait(&told, |told| is(told, Phase::Live).then_some(()));
+        wait(&told, |told| is(&told, Phase::Live).then_some(()));
     }
 }
 
@@ -70,9 +65,9 @@ fn who_asks_for_a_tare_while_one_is_made_gets_one() {
 fn a_tare_of_frames_that_hardly_come_does_not_keep_its_keeper_from_ending() {
     let (desk, _board, port) = board();
     let (keeper, told) = keep(&desk, &port, SERVED);
-    wait(&told, |told| is(told, Phase::Live).then_some(()));
+    wait(&told, |told| is(&told, Phase::Live).then_some(()));
     keeper.ask(Asked::Drive(Drive::new(50e3, 1e-3, 0.01)));
-    wait(&told, |told| is(told, Phase::Taring).then_some(()));
+    wait(&told, |told| is(&told, Phase::Taring).then_some(()));
     let begun = Instant::now();
     drop(keeper);
     assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
@@ -87,10 +82,7 @@ fn a_drive_or_a_tare_waits_until_nothing_presses_and_says_so() {
         (RECORDED, Asked::Tare),
         (SERVED, Asked::Tare),
     ] {
-        let desk = Desk::with_patch();
-        let finger = "0,1,0,0,0.01,0.8\n4,1,0,0,0.01,0.8\n4.1,1,0,0,0.01,0\n900,1,0,0,0.01,0\n";
-        desk.write("path.csv", format!("time_s,finger,x_m,y_m,radius_m,depth\n{finger}"));
-        let (_board, port) = flashed(&desk, &["--path", "path.csv"]);
+        let (desk, _board, port) = pressed_board();
         let (keeper, told) = keep(&desk, &port, selection);
         wait(&told, |told| (contacts(&told)? > 0).then_some(()));
         keeper.ask(asked);
@@ -106,9 +98,35 @@ fn a_drive_or_a_tare_waits_until_nothing_presses_and_says_so() {
         if asked != Asked::Tare {
             wait(&told, |told| is_driven(&told, &half).then_some(()));
         }
-        wait(&told, |told| is(told, Phase::Taring).then_some(()));
-        wait(&told, |told| is(told, Phase::Live).then_some(()));
+        wait(&told, |told| is(&told, Phase::Taring).then_some(()));
+        wait(&told, |told| is(&told, Phase::Live).then_some(()));
     }
+}
+
+#[test]
+fn of_drives_that_wait_the_last_one_counts_and_that_of_now_gives_it_up() {
+    let (desk, _board, port) = pressed_board();
+    let (keeper, told) = keep(&desk, &port, SERVED);
+    let before = wait(&told, |told| if let Told::Driven(driven) = told { Some(driven.drive) } else { None });
+    wait(&told, |told| (contacts(&told)? > 0).then_some(()));
+    let [slow, slower] = [30.0, 20.0].map(|rate| Drive { frame_rate: rate, ..before });
+    let waits = |told: Told| matches!(&told, Told::State(state) if state.drive_waits()).then_some(());
+    let given_up = |told: Told| if let Told::GivenUp(drive) = told { Some(drive) } else { None };
+    keeper.ask(Asked::Drive(slow));
+    wait(&told, waits);
+    keeper.ask(Asked::Drive(before));
+    assert_eq!(wait(&told, given_up), slow);
+    wait(&told, |told| is_driven(&told, &before).then_some(()));
+    wait(&told, |told| matches!(&told, Told::State(state) if state.text.is_empty()).then_some(()));
+    // Each who asks is told that it waits.
+    for drive in [slow, slower] {
+        keeper.ask(Asked::Drive(drive));
+        wait(&told, waits);
+    }
+    wait(&told, |told| {
+        assert!(!is_driven(&told, &slow), "it was given up");
+        is_driven(&told, &slower).then_some(())
+    });
 }
 
 fn is_driven(told: &Told, drive: &Drive) -> bool {
@@ -128,6 +146,15 @@ fn board() -> (Desk, Running, String) {
     (desk, board, port)
 }
 
+/// One on whose skin a finger rests for four seconds.
+fn pressed_board() -> (Desk, Running, String) {
+    let desk = Desk::with_patch();
+    let finger = "0,1,0,0,0.01,0.8\n4,1,0,0,0.01,0.8\n4.1,1,0,0,0.01,0\n900,1,0,0,0.01,0\n";
+    desk.write("path.csv", format!("time_s,finger,x_m,y_m,radius_m,depth\n{finger}"));
+    let (board, port) = flashed(&desk, &["--path", "path.csv"]);
+    (desk, board, port)
+}
+
 /// A simulated board with the skin's patch.
 fn flashed(desk: &Desk, more: &[&str]) -> (Running, String) {
     let (board, port) = desk.board("skin.toml", more);
@@ -135,33 +162,6 @@ fn flashed(desk: &Desk, more: &[&str]) -> (Running, String) {
     (board, port)
 }
 
-fn keep(desk: &Desk, port: &str, selection: Selection) -> (Keeper, Receiver<Told>) {
-    desk.write("robot.toml", BODY.replace("PORT", port));
-    let file = BodyFile::load(&desk.path("robot.toml")).unwrap();
-    let skin = Skin::parse(Path::new("skin.toml"), TINY).unwrap().made().unwrap();
-    let surface = surface::of_skin(&skin).unwrap().unwrap();
-    let (sender, receiver) = channel();
-    let keeper = Keeper::start(&file.patches[0], surface, selection, move |told| {
-        let _ = sender.send(told);
-    });
-    (keeper.unwrap(), receiver)
-}
-
 fn reference(told: &Receiver<Told>) -> Reference {
     wait(told, |told| if let Told::Reference(reference) = told { Some(*reference) } else { None })
-}
-
-fn is(told: Told, phase: Phase) -> bool {
-    matches!(told, Told::State(state) if state.phase == phase)
-}
-
-fn wait<T>(told: &Receiver<Told>, mut is_it: impl FnMut(Told) -> Option<T>) -> T {
-    let until = Instant::now() + Duration::from_secs(20);
-    loop {
-        let told = told.recv_timeout(until.saturating_duration_since(Instant::now())).expect("told in time");
-        assert!(!matches!(&told, Told::State(state) if state.phase == Phase::Lost), "{told:?}");
-        if let Some(it) = is_it(told) {
-            return it;
-        }
-    }
 }

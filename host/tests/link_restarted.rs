@@ -6,8 +6,15 @@
 mod program;
 mod testbench;
 
-use dermatome::simulate::board::{BoardOptions, SimulatedBoard};
-use program::Desk;
+use dermatome::{
+    body::keeper::{Asked, Phase, Told},
+    shared::{drive::Drive, protocol::Selection},
+    simulate::board::{BoardOptions, SimulatedBoard},
+};
+use program::{
+    Desk,
+    keeping::{is, keep, wait},
+};
 use serialport::{SerialPort, TTYPort};
 use std::{
     io::{Read, Write},
@@ -28,42 +35,90 @@ fn to_host(mut board: TcpStream, mut host: TTYPort) {
     });
 }
 
-/// A board of 50 frames a second, and a line to it.
-fn small_board() -> (SimulatedBoard, TcpStream) {
-    let options = BoardOptions { patch: Some(small_patch("small", 50.0)), ..BoardOptions::default() };
-    let board = SimulatedBoard::start(options, Pressed::new(1)).unwrap();
-    let line = raw(board.address());
-    (board, line)
+/// What stays when a board behind it starts anew.
+struct Adapter {
+    near: TTYPort,
+    /// The host's end.
+    far: TTYPort,
+    to_board: Arc<Mutex<Option<TcpStream>>>,
+}
+
+impl Adapter {
+    fn new() -> Self {
+        let (near, far) = TTYPort::pair().unwrap();
+        let to_board = Arc::<Mutex<Option<TcpStream>>>::default();
+        let (mut from_host, written) = (near.try_clone_native().unwrap(), to_board.clone());
+        // Ends with the test.
+        thread::spawn(move || {
+            let mut buffer = [0; 256];
+            loop {
+                if let Ok(length) = from_host.read(&mut buffer) {
+                    // What is said to a board that is off is lost.
+                    let _ = written.lock().unwrap().as_mut().map(|board| board.write_all(&buffer[..length]));
+                }
+            }
+        });
+        Self { near, far, to_board }
+    }
+
+    fn port(&self) -> String {
+        self.far.name().unwrap()
+    }
+
+    /// A board with this patch is behind it from now on.
+    fn board(&self, patch: Vec<u8>) -> SimulatedBoard {
+        let options = BoardOptions { patch: Some(patch), ..BoardOptions::default() };
+        let board = SimulatedBoard::start(options, Pressed::new(1)).unwrap();
+        let line = raw(board.address());
+        *self.to_board.lock().unwrap() = Some(line.try_clone().unwrap());
+        to_host(line, self.near.try_clone_native().unwrap());
+        board
+    }
 }
 
 #[test]
 fn a_board_that_restarts_behind_an_adapter_that_stays_streams_on() {
-    let (near, far) = TTYPort::pair().unwrap();
-    let port = far.name().unwrap();
-    let (first, line) = small_board();
-    to_host(line.try_clone().unwrap(), near.try_clone_native().unwrap());
-    let to_board = Arc::new(Mutex::new(line));
-    let (mut from_host, written) = (near.try_clone_native().unwrap(), to_board.clone());
-    // Ends with the test.
-    thread::spawn(move || {
-        let mut buffer = [0; 256];
-        loop {
-            if let Ok(length) = from_host.read(&mut buffer) {
-                // What is said to a board that is off is lost.
-                let _ = written.lock().unwrap().write_all(&buffer[..length]);
-            }
-        }
-    });
+    let adapter = Adapter::new();
+    let first = adapter.board(small_patch("small", 50.0));
     let desk = Desk::empty();
-    let mut stream = desk.start(&["stream", "--port", &port, "--frames", "100", "--json", "stream.json"]);
+    let arguments = ["stream", "--port", &adapter.port(), "--frames", "100", "--json", "stream.json"];
+    let mut stream = desk.start(&arguments);
     stream.line();
     first.stop().unwrap();
-    let (_second, line) = small_board();
-    *to_board.lock().unwrap() = line.try_clone().unwrap();
-    to_host(line, near);
+    let _second = adapter.board(small_patch("small", 50.0));
     let done = stream.finish().success();
     assert!(done.err.contains("connected again after"), "{}", done.err);
     let report = desk.report("stream.json");
     assert_eq!((&report["frames_received"], &report["gaps"][0]["tared"]), (&100.into(), &true.into()));
     assert_eq!(report["events_lost"], 0, "{report:#}");
+}
+
+#[test]
+fn a_board_that_restarts_behind_an_adapter_that_stays_gets_the_drive_that_it_had_from_its_keeper() {
+    let adapter = Adapter::new();
+    let desk = Desk::with_patch();
+    let first = adapter.board(desk.read("skin.dermatome"));
+    let selection = Selection { contacts: 1, ..Selection::default() };
+    let (keeper, told) = keep(&desk, &adapter.port(), selection);
+    let before = wait(&told, |told| if let Told::Driven(driven) = told { Some(driven.drive) } else { None });
+    wait(&told, |told| is(&told, Phase::Live).then_some(()));
+    let slow = Drive { frame_rate: before.frame_rate / 2.0, ..before };
+    keeper.ask(Asked::Drive(slow));
+    wait(&told, |told| is(&told, Phase::Taring).then_some(()));
+    wait(&told, |told| is(&told, Phase::Live).then_some(()));
+    first.stop().unwrap();
+    wait(&told, |told| is(&told, Phase::Lost).then_some(()));
+    let _second = adapter.board(desk.read("skin.dermatome"));
+    wait(&told, |told| matches!(&told, Told::Driven(driven) if driven.drive == slow).then_some(()));
+    wait(&told, |told| is(&told, Phase::Live).then_some(()));
+    // By the board's own clock.
+    let frames = (0..10).map(|_| {
+        wait(
+            &told,
+            |told| if let Told::Frame { frame, .. } = told { Some(frame.at?.timestamp_us) } else { None },
+        )
+    });
+    let times: Vec<u64> = frames.collect();
+    let period = (times[9] - times[0]) as f64 * 1e-6 / 9.0;
+    assert!((period * f64::from(slow.frame_rate) - 1.0).abs() < 0.2, "{period} s");
 }

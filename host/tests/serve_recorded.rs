@@ -99,6 +99,15 @@ fn all_boards_are_in_one_file_and_each_is_replayed_bit_for_bit_on_its_link() {
     assert_eq!(desk.read("run.mcap"), before);
 }
 
+/// Until so many more frames of a patch have been printed.
+fn wait_for_frames(serve: &mut Running, count: usize, patch: &str) {
+    let (patch, mut seen) = (format!("\"patch\":\"{patch}\""), 0);
+    while seen < count {
+        let line = serve.line();
+        seen += usize::from(line.contains(&patch) && line.contains("\"sequence\""));
+    }
+}
+
 /// Sequence of each frame, and when it came, s since 1970; how many references there are, and how it ends.
 fn frames(desk: &Desk, name: &str) -> (Vec<(u32, f64)>, usize, Ending) {
     let mut frames = Frames::of(Recording::open(&desk.path(name)).unwrap());
@@ -128,13 +137,14 @@ fn a_board_that_comes_back_and_one_that_comes_later_go_on_in_the_same_file_until
     desk.write("robot.toml", body(&[("palm", &ports[0]), ("back", &ports[1])]));
     cables[1].pull();
     let mut serve = desk.start(&["serve", "robot.toml", "--record", "run.mcap"]);
-    serve.read_output();
-    thread::sleep(Duration::from_secs(3));
+    wait_for_frames(&mut serve, 100, "palm");
+    // `back` comes at least a second later.
+    thread::sleep(Duration::from_secs(1));
     cables[0].pull();
     cables[1].plug_in();
-    thread::sleep(Duration::from_secs(1));
+    wait_for_frames(&mut serve, 100, "back");
     cables[0].plug_in();
-    thread::sleep(Duration::from_secs(3));
+    wait_for_frames(&mut serve, 100, "palm");
     assert!(serve.is_running());
     serve.interrupt();
     let done = serve.finish().success();
@@ -163,11 +173,11 @@ fn a_board_that_starts_anew_gets_a_new_reference_and_is_replayed_through_both() 
     desk.run(&["flash", "skin.dermatome", "--port", &port]).success();
     desk.write("robot.toml", body(&[("palm", &port)]));
     let mut serve = desk.start(&["serve", "robot.toml", "--record", "run.mcap"]);
-    serve.read_output();
-    thread::sleep(Duration::from_secs(3));
+    wait_for_frames(&mut serve, 100, "palm");
     drop(board);
     let _board = desk.start(&["simulate", "skin.toml", "--store", "flash.dermatome", "--listen", &port]);
-    thread::sleep(Duration::from_secs(4));
+    while !serve.line().contains("\"taring\"") {}
+    wait_for_frames(&mut serve, 100, "palm");
     serve.interrupt();
     serve.finish().success();
     let (found, references, _) = frames(&desk, "run.mcap:palm");

@@ -17,6 +17,8 @@ pub struct Outcome {
     pub message: String,
 }
 
+const GIVEN_UP: &str = "another drive was asked for before the skin was free";
+
 /// Who waits for what they have asked of one board, by who they are.
 #[derive(Debug)]
 pub struct Waiting<Asker>(Vec<(Asker, Awaited)>);
@@ -46,8 +48,8 @@ pub fn drive(request: &DriveRequest, sense: &Sense) -> Result<Asked, Outcome> {
     let drive = request.of(&driven.drive);
     match driven.check(&drive) {
         Err(error) => Err(Outcome::refused(error.to_string())),
-        Ok(()) if drive == driven.drive => Err(Outcome::done(in_words(&drive))),
-        Ok(()) if sense.state.drive_waits() => Err(Outcome::refused(&sense.state.text)),
+        // That of now gives up another one that waits.
+        Ok(()) if drive == driven.drive && !sense.state.drive_waits() => Err(Outcome::done(in_words(&drive))),
         Ok(()) => Ok(Asked::Drive(drive)),
     }
 }
@@ -107,7 +109,12 @@ impl Awaited {
             (Self::Drive(wanted), Told::Driven(driven)) if driven.drive == *wanted => {
                 Some(Outcome::done(in_words(&driven.drive)))
             }
-            (Self::Drive(_), Told::NotDriven(why)) => Some(Outcome::refused(why)),
+            (Self::Drive(wanted), Told::NotDriven { drive, why }) if drive == wanted => {
+                Some(Outcome::refused(why))
+            }
+            (Self::Drive(wanted), Told::GivenUp(drive)) if drive == wanted => {
+                Some(Outcome::refused(GIVEN_UP))
+            }
             (Self::Drive(_), Told::State(state)) if state.drive_waits() => {
                 Some(Outcome::refused(&state.text))
             }
@@ -196,8 +203,12 @@ mod tests {
         let told = [driven(Drive::new(50e3, 1e-3, 50.0)), driven(drive)];
         let done = Some(Outcome::done("100000 Hz, 0.001 A, 50 frames a second, gain automatic"));
         assert_eq!(answers(Asked::Drive(drive), &told), [None, done]);
-        let refused = [Some(Outcome::refused("no"))];
-        assert_eq!(answers(Asked::Drive(drive), &[Told::NotDriven("no".to_owned())]), refused);
+        let refused = |words: &str| [None, Some(Outcome::refused(words))];
+        let not_driven = |drive| Told::NotDriven { drive, why: "no".to_owned() };
+        let other = Drive::new(50e3, 1e-3, 50.0);
+        assert_eq!(answers(Asked::Drive(drive), &[not_driven(other), not_driven(drive)]), refused("no"));
+        let given_up = [Told::GivenUp(other), Told::GivenUp(drive)];
+        assert_eq!(answers(Asked::Drive(drive), &given_up), refused(GIVEN_UP));
     }
 
     #[test]

@@ -126,7 +126,7 @@ impl Body {
                 sense.driven = Some(**driven);
                 None
             }
-            Told::NotDriven(_) | Told::Reference(_) => None,
+            Told::NotDriven { .. } | Told::GivenUp(_) | Told::Reference(_) => None,
             Told::Frame { frame, received_ns, missing } => {
                 sense.frames += 1;
                 sense.missing = sense.missing_before + missing;

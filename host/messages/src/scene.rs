@@ -19,8 +19,10 @@ const PERIOD: u64 = 1_000_000_000 / 30;
 const DIAGNOSTICS_PERIOD: u64 = 1_000_000_000;
 /// Of a point of a cloud: x, y, z and intensity.
 const BYTES_OF_POINT: u32 = 16;
-/// Level of a diagnostic.
-const ERROR: u8 = 2;
+/// Level of a diagnostic where something is to be looked at.
+pub const WARN: u8 = 1;
+/// Level of a diagnostic where nothing is to be had of a skin.
+pub const ERROR: u8 = 2;
 /// Length of the arrow of a contact of strength 1, as a part of the skin's size.
 const ARROW: f64 = 0.5;
 
@@ -81,10 +83,10 @@ impl Scene {
         packed
     }
 
-    /// The scene once what the board said is over, and why: no contacts, no image, and an error.
-    pub fn over(&mut self, why: &str, now_ns: u64) -> Vec<Packed> {
-        (self.drawn, self.diagnosed) = (0, 0);
-        let status = DiagnosticStatus { level: ERROR, ..self.diagnostic(why.to_owned(), Vec::new()) };
+    /// The scene once what the board said is over, why, and a diagnostic's level: no contacts and no image.
+    pub fn over(&mut self, level: u8, why: &str, now_ns: u64) -> Vec<Packed> {
+        (self.drawn, self.diagnosed) = (0, now_ns);
+        let status = DiagnosticStatus { level, ..self.diagnostic(why.to_owned(), Vec::new()) };
         let diagnostics = DiagnosticArray { header: self.place.header(now_ns), status: vec![status] };
         let messages = [
             (Topic::Markers, cdr::encode(&self.markers([], now_ns))),

@@ -180,7 +180,7 @@ def test_one_of_several_skins_is_named_behind_the_file(tmp_path: Path) -> None:
     skins = [("palm", DISC), ("back", SQUARE)]
     tables = [f"[[patches]]\nname = '{name}'\nskin = '{skin}'\nport = 'sim:{skin}'\n{place}" for name, skin in skins]
     body.write_text('name = "arm"\n' + "".join(tables))
-    ran = run("serve", body, "--record", path, "--duration", "4")
+    ran = run("serve", body, "--record", path, "--duration", "8")
     assert ran.returncode == 0, ran.stderr
     for name, skin, pixels in [("palm", "disc-210mm", 812), ("back", "square-50mm", 784)]:
         recording = dermatome.Recording(f"{path}:{name}")

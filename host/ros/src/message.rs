@@ -8,17 +8,15 @@ use dermatome_body::{
 };
 use dermatome_messages::{
     dermatome::{Contact, SkinContact, SkinContactArray},
-    scene::{health_values, transform, tripped_value},
+    scene::{ERROR, WARN, health_values, transform, tripped_value},
     standard::{self, DiagnosticStatus, Header, KeyValue, TfMessage, Time, WrenchStamped},
 };
 use dermatome_shared::frame::FrameFlags;
 
 use crate::names::skin_frame;
 
-/// Levels of `DiagnosticStatus`.
+/// Level of a diagnostic.
 const OK: u8 = 0;
-const WARN: u8 = 1;
-const ERROR: u8 = 2;
 
 fn header(link: &str, time_ns: u64) -> Header {
     Header { stamp: Time::of_nanoseconds(time_ns), frame_id: link.to_owned() }

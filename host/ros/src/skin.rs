@@ -88,7 +88,7 @@ impl Skin {
                 self.is_live = is_live;
                 is_over
             }
-            Told::Driven(_) | Told::NotDriven(_) | Told::Reference(_) => false,
+            Told::Driven(_) | Told::NotDriven { .. } | Told::GivenUp(_) | Told::Reference(_) => false,
         };
         self.services.hear(told);
         has_told

@@ -18,7 +18,7 @@ use program::Desk;
 use std::{thread, time::Duration};
 use testbench::{Pressed, square_patch};
 
-const WAIT: Duration = Duration::from_secs(3);
+const WAIT: Duration = Duration::from_secs(30);
 
 /// A board that measures at its skin's rate.
 fn board(name: &str, frame_rate: f32) -> SimulatedBoard {

@@ -1,6 +1,8 @@
 //! The program as a user runs it: real processes, in a folder of their own, with a time limit.
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
+pub(crate) mod keeping;
+
 use assert_cmd::cargo::cargo_bin;
 use dermatome::{model::Model, skin::Skin};
 use serde_json::Value;
@@ -17,6 +19,11 @@ use tempfile::TempDir;
 
 /// Longest any command of these tests may take; a busy machine needs some of it.
 pub(crate) const LIMIT: Duration = Duration::from_secs(180);
+
+/// How long something may take that is to take `bound` at most: with `DERMATOME_BOUNDS=1`, on a computer without other work.
+pub(crate) fn within(bound: Duration) -> Duration {
+    if std::env::var_os("DERMATOME_BOUNDS").is_some() { bound } else { LIMIT }
+}
 
 /// A coarse skin of 8 electrodes.
 pub(crate) const TINY: &str = include_str!("../data/tiny.toml");

@@ -240,12 +240,13 @@ fn skins(
             (there, changed) = (now, Instant::now());
         }
         let is_there = |name: &String| there.keys().any(|space| space.patch == *name);
-        let is_all = !there.is_empty() && changed.elapsed() >= ALL_FOUND;
-        let is_enough = if patches.is_empty() { is_all } else { patches.iter().all(is_there) };
+        let is_named = if patches.is_empty() { !there.is_empty() } else { patches.iter().all(is_there) };
+        // Another one may be found a little later, also one that claims the same skin.
+        let is_quiet = changed.elapsed() >= ALL_FOUND || begun.elapsed() >= FOUND;
         let meant = || there.iter().filter(|(space, _)| patches.is_empty() || patches.contains(&space.patch));
         // A program that has just been started anew is not alone before its predecessor is known to be gone.
         let claimed = meant().find(|(_, runs)| runs.len() > 1);
-        if is_enough && claimed.is_none() {
+        if is_named && is_quiet && claimed.is_none() {
             return Ok(meant().map(|(space, _)| space.clone()).collect());
         }
         if begun.elapsed() >= FOUND {

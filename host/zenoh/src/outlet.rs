@@ -133,7 +133,7 @@ impl Outlet {
                     self.frame(report, sense.missing);
                 }
             }
-            Told::Patch { .. } | Told::Driven(_) | Told::NotDriven(_) => {}
+            Told::Patch { .. } | Told::Driven(_) | Told::NotDriven { .. } | Told::GivenUp(_) => {}
         }
     }
 

@@ -171,8 +171,8 @@ fn lies_at(skin: &Skin, pose: &Pose) -> bool {
     skin.link == pose.link && far <= SAME_PLACE[0] && turned <= SAME_PLACE[1]
 }
 
-/// The skin of a patch as a robot has it: on the same link, or on one where no patch of that skin lies. A robot has one skin
-/// of a name; a body may wear a skin file twice.
+/// The skin of a patch as a robot has it: on the same link, or on one where no patch of that skin lies. Both may
+/// have several of one skin file.
 fn skin_of<'a>(robot: &'a Robot, patch: &Patch, patches: &[Patch]) -> Option<&'a Skin> {
     let named = || robot.skins.iter().filter(|skin| skin.name == patch.skin.name);
     let is_worn = |skin: &&Skin| {

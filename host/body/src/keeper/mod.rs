@@ -5,7 +5,9 @@
 //! once nothing presses, and with it a new drive that was asked for. What it does, and what comes, it [tells](Told).
 
 mod averaging;
+mod presses;
 mod told;
+mod trouble;
 
 use crate::{driven::Driven, file::Patch, surface::is_same};
 use averaging::{Averaging, Taken};
@@ -17,10 +19,11 @@ use dermatome_messages::clock::now_ns;
 use dermatome_shared::{
     acquire::FrontEnd,
     drive::Drive,
-    patch::{PatchError, PatchView},
+    patch::PatchView,
     protocol::{FrameSource, PatchInfo, Request, Selection},
 };
-use dermatome_simulate::port::{OpenError, Port, open};
+use dermatome_simulate::port::{Port, open};
+use presses::Presses;
 use std::{
     io,
     ops::ControlFlow,
@@ -30,6 +33,7 @@ use std::{
 };
 pub(crate) use told::{DRIVE_WAITS, WAITS};
 pub use told::{Phase, Reference, State, Told};
+use trouble::Trouble;
 
 /// Time until a board is tried again, which doubles up to the longest.
 const FIRST_PAUSE: Duration = Duration::from_millis(50);
@@ -40,14 +44,6 @@ const FULL_PAUSE: Duration = Duration::from_secs(10);
 const LOOK: Duration = Duration::from_millis(20);
 /// How often a skin that is pressed is looked at again.
 const LOOK_AGAIN: Duration = Duration::from_millis(300);
-/// Time without a contact after which a tare begins, or the drive changes, that waits for it.
-const FREE: Duration = Duration::from_millis(500);
-
-/// The same of this board: two frames at least.
-fn free_time(patch: &PatchInfo) -> Duration {
-    let frames = Duration::try_from_secs_f64(2.0 / f64::from(patch.drive.frame_rate));
-    frames.unwrap_or(FREE).max(FREE)
-}
 
 /// What is said of a board that makes a reference.
 const AVERAGING: &str = "averaging the untouched skin";
@@ -100,6 +96,7 @@ impl Keeper {
             has_come: false,
             wants_tare: false,
             wants_drive: None,
+            is_asked: false,
         };
         let thread = thread::Builder::new().name(patch.name.clone()).spawn(move || board.keep())?;
         Ok(Self { orders, thread: Some(thread) })
@@ -130,27 +127,6 @@ impl Drop for Keeper {
     }
 }
 
-/// Why a board does not stream.
-#[derive(Debug, thiserror::Error)]
-enum Trouble {
-    #[error(transparent)]
-    Link(#[from] LinkError),
-    #[error(transparent)]
-    Open(OpenError),
-    #[error("the board holds no patch: send it one with `dermatome flash`")]
-    NoPatch,
-    #[error("the board's patch: {0}")]
-    Patch(PatchError),
-    #[error(
-        "the board holds a patch for `{0}`, not for this skin: send it the right one with `dermatome flash`"
-    )]
-    OtherSkin(String),
-    #[error(
-        "the board's patch has its pixels elsewhere than the skin file: build it anew and send it with `dermatome flash`"
-    )]
-    OtherPixels,
-}
-
 /// A keeper's thread is to end.
 struct Stop;
 
@@ -179,6 +155,8 @@ struct Board {
     wants_tare: bool,
     /// A drive that waits until nothing presses.
     wants_drive: Option<Drive>,
+    /// Whether something was asked for, and who asked has not been told yet that it waits.
+    is_asked: bool,
 }
 
 impl Board {
@@ -189,15 +167,13 @@ impl Board {
             match self.attend() {
                 Ok(Stop) => break,
                 Err(trouble) => {
-                    let is_over =
-                        matches!(&trouble, Trouble::Open(error) if !matches!(error, OpenError::Link(_)));
-                    self.explain(&trouble);
-                    if is_over {
+                    let phase = trouble.phase(self.has_come);
+                    self.state(phase, trouble.to_string());
+                    if phase == Phase::Ended {
                         break;
                     }
-                    if matches!(&trouble, Trouble::Link(error) if matches!(error.kind, LinkErrorKind::Overload(_)))
-                    {
-                        // Asking again and again takes more of a full line.
+                    if trouble.is_full_line() {
+                        // Asking again and again takes more of it.
                         pause = FULL_PAUSE;
                     }
                 }
@@ -214,49 +190,38 @@ impl Board {
         (self.tell)(Told::State(State { phase, text: text.into() }));
     }
 
-    fn explain(&mut self, trouble: &Trouble) {
-        let phase = match trouble {
-            Trouble::NoPatch => Phase::NoPatch,
-            Trouble::Patch(_) | Trouble::OtherSkin(_) | Trouble::OtherPixels => Phase::OtherPatch,
-            Trouble::Open(OpenError::Simulation(_) | OpenError::Replay(_)) => Phase::Ended,
-            Trouble::Link(_) | Trouble::Open(_) if self.has_come => Phase::Lost,
-            Trouble::Link(_) | Trouble::Open(_) => Phase::NoBoard,
-        };
-        self.state(phase, trouble.to_string());
-    }
-
     /// Waits, and takes what is asked meanwhile.
     fn pause(&mut self, time: Duration) -> Option<Stop> {
         let until = Instant::now() + time;
         loop {
             match self.orders.recv_timeout(until.saturating_duration_since(Instant::now())) {
-                Ok(Order::Do(Asked::Tare)) => self.wants_tare = true,
-                Ok(Order::Do(Asked::Drive(drive))) => self.wants_drive = Some(drive),
+                Ok(Order::Do(asked)) => self.want(asked),
                 Ok(Order::Stop) | Err(RecvTimeoutError::Disconnected) => return Some(Stop),
                 Err(RecvTimeoutError::Timeout) => return None,
             }
         }
     }
 
+    /// Something is asked for. Of drives the last one counts.
+    fn want(&mut self, asked: Asked) {
+        self.is_asked = true;
+        match asked {
+            Asked::Tare => self.wants_tare = true,
+            Asked::Drive(drive) => {
+                let before = self.wants_drive.replace(drive);
+                if let Some(before) = before.filter(|before| *before != drive) {
+                    (self.tell)(Told::GivenUp(before));
+                }
+            }
+        }
+    }
+
     /// Holds a board until it is lost.
     fn attend(&mut self) -> Result<Stop, Trouble> {
-        let mut link = open(&self.port).map_err(|error| match error {
-            OpenError::Link(error) => Trouble::Link(error),
-            other => Trouble::Open(other),
-        })?;
+        let mut link = open(&self.port)?;
         link.share_bus(self.on_bus);
-        let info = link.info()?;
-        let mut patch = info.patch.ok_or(Trouble::NoPatch)?;
-        self.greet(&mut link, &patch, info.frame_source)?;
-        self.front_end = info.front_end;
-        // A drive that was asked for before lasts until the board starts anew.
-        patch.drive = info.drive.unwrap_or(patch.drive);
-        match self.drive.filter(|drive| *drive != patch.drive) {
-            Some(drive) => drop(self.change_drive(&mut link, &mut patch, drive)?),
-            None => self.drives(patch.drive),
-        }
-        self.has_come = true;
         loop {
+            let mut patch = self.meet(&mut link)?;
             let is_lost = Untouched::is_lost(self.untouched.as_ref(), &mut link, &patch)?;
             if is_lost && let Some(stop) = self.wait_untouched(&mut link, &patch)? {
                 return Ok(stop);
@@ -274,6 +239,21 @@ impl Board {
         }
     }
 
+    /// Makes sure that a board that has been found, or has perhaps started anew, holds this skin's patch and has the drive
+    /// that it had.
+    fn meet(&mut self, link: &mut Link) -> Result<PatchInfo, Trouble> {
+        let info = link.info()?;
+        let mut patch = info.patch.ok_or(Trouble::NoPatch)?;
+        self.greet(link, &patch, info.frame_source)?;
+        self.front_end = info.front_end;
+        // One that was asked for before lasts until the board starts anew.
+        patch.drive = info.drive.unwrap_or(patch.drive);
+        let drive = self.drive.unwrap_or(patch.drive);
+        self.change_drive(link, &mut patch, drive)?;
+        self.has_come = true;
+        Ok(patch)
+    }
+
     fn drives(&mut self, drive: Drive) {
         self.drive = Some(drive);
         (self.tell)(Told::Driven(Box::new(Driven { drive, front_end: self.front_end })));
@@ -289,13 +269,12 @@ impl Board {
     ) -> Result<ControlFlow<Stop, bool>, LinkError> {
         loop {
             match self.orders.try_recv() {
-                Ok(Order::Do(Asked::Tare)) => self.wants_tare = true,
-                Ok(Order::Do(Asked::Drive(drive))) => self.wants_drive = Some(drive),
+                Ok(Order::Do(asked)) => self.want(asked),
                 Ok(Order::Stop) | Err(TryRecvError::Disconnected) => return Ok(ControlFlow::Break(Stop)),
                 Err(TryRecvError::Empty) => break,
             }
         }
-        let drive = self.wants_drive.take_if(|_| is_free);
+        let drive = self.wants_drive.take_if(|drive| is_free || *drive == patch.drive);
         let is_changed = drive.map_or(Ok(false), |drive| self.change_drive(link, patch, drive));
         is_changed.map(ControlFlow::Continue)
     }
@@ -307,16 +286,18 @@ impl Board {
         patch: &mut PatchInfo,
         drive: Drive,
     ) -> Result<bool, LinkError> {
-        let before = patch.drive;
-        match link.request(&Request::Drive(Some(drive))) {
-            Ok(_) => patch.drive = drive,
-            Err(LinkError { kind: LinkErrorKind::Refused(refusal), .. }) => {
-                (self.tell)(Told::NotDriven(refusal.to_string()));
+        let is_other = drive != patch.drive;
+        if is_other {
+            match link.request(&Request::Drive(Some(drive))) {
+                Ok(_) => patch.drive = drive,
+                Err(LinkError { kind: LinkErrorKind::Refused(refusal), .. }) => {
+                    (self.tell)(Told::NotDriven { drive, why: refusal.to_string() });
+                }
+                Err(error) => return Err(error),
             }
-            Err(error) => return Err(error),
         }
         self.drives(patch.drive);
-        Ok(patch.drive != before)
+        Ok(is_other && patch.drive == drive)
     }
 
     /// Makes sure that the board's patch is of this skin.
@@ -404,7 +385,7 @@ impl Board {
         patch: &mut PatchInfo,
         begins_with_tare: bool,
     ) -> Result<Option<Stop>, LinkError> {
-        let (mut silence, free) = (frame_timeout(patch), free_time(patch));
+        let mut silence = frame_timeout(patch);
         let mut stream = link.subscribe(self.selection)?;
         let thinned_out = stream.thinned_out(self.selection).unwrap_or_default();
         let mut averaging = None;
@@ -413,14 +394,13 @@ impl Board {
         } else {
             self.state(Phase::Live, thinned_out.as_str());
         }
-        // When a frame came, one with contacts, and one with contacts that nothing is known to be wrong with: a new drive, which
-        // may mend what is wrong, waits for these alone.
-        let [mut heard, mut touched, mut pressed] = [Instant::now(); 3];
-        // What waits for the skin to be free, in words.
+        let mut heard = Instant::now();
+        let mut presses = Presses::new(patch.drive.frame_rate);
+        // What is said to wait for a free skin, in words.
         let mut said = "";
         loop {
-            let is_free = averaging.is_some() || pressed.elapsed() >= free;
-            let mut is_to_tare = self.wants_tare && averaging.is_none() && touched.elapsed() >= free;
+            let is_free = averaging.is_some() || presses.is_free();
+            let mut is_to_tare = self.wants_tare && averaging.is_none() && presses.is_untouched();
             match self.obey(stream.link(), patch, is_free)? {
                 ControlFlow::Break(stop) => {
                     stream.stop()?;
@@ -429,8 +409,9 @@ impl Board {
                 // The board begins that of a tare anew, and all may take longer now.
                 ControlFlow::Continue(true) => {
                     (is_to_tare, silence) = (true, frame_timeout(patch));
+                    presses = Presses::new(patch.drive.frame_rate);
                 }
-                // It waits no more, as it was refused.
+                // It waits no more, as it was refused or is that which the skin has.
                 ControlFlow::Continue(false) if said == DRIVE_WAITS && self.wants_drive.is_none() => {
                     self.state(Phase::Live, thinned_out.as_str());
                     said = "";
@@ -458,12 +439,7 @@ impl Board {
                 continue;
             };
             heard = Instant::now();
-            if frame.contacts.as_ref().is_some_and(|contacts| !contacts.is_empty()) {
-                touched = heard;
-                if frame.at.is_some_and(|at| at.flags.leaves_contacts_valid()) {
-                    pressed = heard;
-                }
-            }
+            presses.take(&frame, heard);
             if let Some(tare) = &mut averaging {
                 match tare.take(&frame) {
                     Taken::First => {
@@ -481,11 +457,13 @@ impl Board {
                 }
             }
             let waits = if self.wants_drive.is_some() {
-                (pressed == heard).then_some(DRIVE_WAITS)
+                presses.is_pressed().then_some(DRIVE_WAITS)
             } else {
-                (self.wants_tare && touched == heard).then_some(WAITS)
+                (self.wants_tare && presses.is_touched()).then_some(WAITS)
             };
-            if let Some(words) = waits.filter(|words| *words != said) {
+            if let Some(words) = waits
+                && (std::mem::take(&mut self.is_asked) || words != said)
+            {
                 said = words;
                 self.state(Phase::Live, words);
             }

@@ -2,7 +2,7 @@
 
 use crate::driven::Driven;
 use dermatome_link::{ScanFrame, tables::SurfaceTables};
-use dermatome_shared::protocol::FrameSource;
+use dermatome_shared::{drive::Drive, protocol::FrameSource};
 
 /// What a keeper tells.
 #[derive(Debug)]
@@ -24,8 +24,15 @@ pub enum Told {
     },
     /// The board drives its skin like this.
     Driven(Box<Driven>),
-    /// The board refused to drive it as it was asked to: why, in words.
-    NotDriven(String),
+    /// The board refused to drive it like this.
+    NotDriven {
+        /// As it was asked to.
+        drive: Drive,
+        /// Why, in words.
+        why: String,
+    },
+    /// A drive that waited until nothing presses was given up for another one.
+    GivenUp(Drive),
     /// The board compares frames with this reference from now on.
     Reference(Box<Reference>),
     /// A frame.

@@ -8,7 +8,7 @@ use dermatome_messages::{
     clock::now_ns,
     dermatome::{Reference, Status},
     frame::{Outlook, Place, ScopeTiming},
-    scene::{Scene, transform, transforms},
+    scene::{ERROR, Scene, WARN, transform, transforms},
     skin::{Look, skin},
 };
 use dermatome_page::Speaker;
@@ -113,6 +113,8 @@ impl Averaging {
 
 /// The status while frames come.
 pub(super) const LIVE: &str = "live";
+/// Those of one that makes a reference, or will.
+const TARES: [&str; 2] = ["taring", "not_tared"];
 
 /// Where frames go.
 pub(super) struct Outlets {
@@ -340,7 +342,8 @@ impl Outlets {
         let now = now_ns();
         let is_live = status.state == LIVE;
         if std::mem::replace(&mut self.is_live, is_live) && !is_live {
-            self.scene.over(&status.text, now).into_iter().for_each(|packed| self.send(packed));
+            let level = if TARES.contains(&status.state.as_str()) { WARN } else { ERROR };
+            self.scene.over(level, &status.text, now).into_iter().for_each(|packed| self.send(packed));
         }
         let status = Status { header: self.outlook.place.header(now), ..status };
         self.send(Packed::now(Topic::Status, now, cdr::encode(&status)));

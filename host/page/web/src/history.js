@@ -3,6 +3,7 @@
 
 export const SPAN_S = 60;
 const BIN_S = 0.05;
+const OF_CONTACTS = ["force", "strength", "count"];
 
 /** The history of each skin of which something has come, by its space. */
 export class Histories {
@@ -62,6 +63,8 @@ export class History {
     this.add("noise", time, status.signal_to_noise);
     this.add("lost", time, this.lostRate(time, lost));
     this.lostBefore = { time, lost };
+    // Until contacts come again.
+    if (status.state !== "live") for (const name of OF_CONTACTS) this.add(name, time, NaN);
   }
 
   lostRate(time, lost) {

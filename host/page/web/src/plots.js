@@ -127,6 +127,8 @@ export class Plots {
     for (const { plot } of this.plots) {
       this.spaces.forEach(() => plot.delSeries(1));
       spaces.forEach((_, line) => plot.addSeries(lineOf(line), line + 1));
+      // Also of one that is hidden, which has no others yet.
+      plot.setData([[], ...spaces.map(() => [])]);
     }
     this.spaces = spaces;
     const isOne = spaces.every((space) => space === SINGLE_SPACE);

@@ -3,7 +3,7 @@
 import { Matrix4, Quaternion, Vector3 } from "three";
 
 import { spaceOf } from "./spaces.js";
-import { standing } from "./standing.js";
+import { standing, taken } from "./standing.js";
 
 const JOINT_TOPICS = ["/tf", "/tf_static"];
 // More frames than that one under the other go in a circle.
@@ -51,11 +51,10 @@ export class Robot {
 
   setOfSkin(topic, message, time, isHeld) {
     const [space, kind] = [spaceOf(topic), topic.slice(topic.lastIndexOf("/") + 1)];
-    const { messages, times } = this.known.get(space) ?? { messages: {}, times: {} };
-    const known = { messages: { ...messages, [kind]: message }, times: { ...times, [kind]: time } };
+    const known = taken(this.known.get(space) ?? { messages: {}, times: {} }, kind, message, time);
     this.known.set(space, known);
     const before = this.skins.get(space) ?? {};
-    const now = standing(known.messages, known.times, isHeld && before);
+    const now = standing(known, isHeld && before);
     this.skins.set(space, now);
     for (const name of Object.keys(now)) if (now[name] !== before[name]) this.news.add(`${name} ${space}`);
   }

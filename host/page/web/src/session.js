@@ -9,7 +9,7 @@ import { Program } from "./program.js";
 import { RecordedHistory } from "./recorded_history.js";
 import { Robot } from "./robot.js";
 import { SINGLE_SPACE } from "./spaces.js";
-import { standing } from "./standing.js";
+import { standing, taken } from "./standing.js";
 
 const LIVE_TOPICS = [TOPIC.skin, TOPIC.status, TOPIC.image, TOPIC.contacts, TOPIC.health];
 const HELD_TOPICS = new Set([TOPIC.image, TOPIC.contacts, TOPIC.health, TOPIC.scope]);
@@ -24,9 +24,8 @@ export class Session {
     this.changes = new Set();
     this.latest = new Latest();
     this.robot = new Robot();
-    // The newest message of each topic, when it came, and those that are not over.
-    this.known = {};
-    this.times = {};
+    // The newest message of each topic, and when it came, and those that are not over.
+    this.known = { messages: {}, times: {} };
     this.shown = {};
     this.liveStatus = undefined;
     this.player = undefined;
@@ -93,7 +92,7 @@ export class Session {
 
   /** What is shown of each skin that is looked at, and when it came: `[{ space, shown, times }]`. */
   get skins() {
-    if (!this.isWhole) return [{ space: SINGLE_SPACE, shown: this.shown, times: this.times }];
+    if (!this.isWhole) return [{ space: SINGLE_SPACE, shown: this.shown, times: this.known.times }];
     return [...this.robot.known].map(([space, { times }]) => ({ space, shown: this.robot.skins.get(space), times }));
   }
 
@@ -148,7 +147,7 @@ export class Session {
   subscribe() {
     for (const topic of LIVE_TOPICS) this.program.want(topic, !this.player || topic === TOPIC.status);
     this.program.want(TOPIC.scope, this.isScopeWanted && !this.player);
-    if (!this.player && this.liveStatus) this.known.status = this.shown.status = this.liveStatus;
+    if (!this.player && this.liveStatus) this.known.messages.status = this.shown.status = this.liveStatus;
   }
 
   begin() {
@@ -158,9 +157,9 @@ export class Session {
 
   forget() {
     this.latest.clear();
-    this.known = this.shown = {};
+    this.known = { messages: {}, times: {} };
+    this.shown = {};
     this.robot.clear();
-    this.times = {};
     this.fault = "";
     this.imageCame = performance.now();
     for (const name of Object.keys(TOPIC)) this.changed(name);
@@ -210,8 +209,7 @@ export class Session {
       const message = bytes && decode(schema, bytes);
       if (!topic.startsWith("/")) return this.takeOfRobot(topic.slice(topic.indexOf("/")), message, logTime);
       if (message && name === "skin") checkSkin(message);
-      this.known = { ...this.known, [name]: message };
-      this.times[name] = logTime;
+      this.known = taken(this.known, name, message, logTime);
       if (name === "status" && !this.player) this.liveStatus = message;
     } catch (error) {
       this.failed(`A message of ${topic} cannot be read (${error.message}). Reload the page: the program may be newer.`);
@@ -227,13 +225,14 @@ export class Session {
 
   settle() {
     const before = this.shown;
-    this.shown = standing(this.known, this.times, this.isHeld && before);
+    this.shown = standing(this.known, this.isHeld && before);
     for (const name of Object.keys(this.shown)) if (this.shown[name] !== before[name]) this.changes.add(name);
   }
 
   noteLatency() {
-    if (this.player || this.times.image === undefined) return;
-    this.latencies.push(performance.timeOrigin + performance.now() - Number(this.times.image) / 1e6);
+    const { image } = this.known.times;
+    if (this.player || image === undefined) return;
+    this.latencies.push(performance.timeOrigin + performance.now() - Number(image) / 1e6);
     if (this.latencies.length > LATENCIES_KEPT) this.latencies.shift();
   }
 

@@ -4,15 +4,27 @@
 const OF_FRAMES = ["image", "contacts"];
 
 /**
- * Of the messages that are `known` of a skin, each of which came at `times`, those that its status has not ended since.
- * What is `held`, if anything is, stays as it is.
+ * The newest messages of a skin and when they came, `{ messages, times }`, after another one. `times.over` is when frames last
+ * ended: what came before does not hold again when the board is back.
  */
-export function standing(known, times, held) {
-  const isOver = (kind) => known.status && known.status.state !== "live" && times[kind] < times.status;
-  const shown = { ...known };
-  for (const kind of OF_FRAMES.filter((kind) => kind in known)) {
+export function taken({ messages, times }, kind, message, time) {
+  const now = { messages: { ...messages, [kind]: message }, times: { ...times, [kind]: time } };
+  if (kind === "status") now.times.over = overSince(times.over, message, time);
+  return now;
+}
+
+// A recording may be put back.
+function overSince(before, status, time) {
+  if (status && status.state !== "live") return time;
+  return status && before < time ? before : undefined;
+}
+
+/** Of the messages that are known of a skin those that are not over. What is `held`, if anything is, stays as it is. */
+export function standing({ messages, times }, held) {
+  const shown = { ...messages };
+  for (const kind of OF_FRAMES.filter((kind) => kind in messages)) {
     if (held) shown[kind] = held[kind];
-    else if (isOver(kind)) shown[kind] = undefined;
+    else if (times[kind] < times.over) shown[kind] = undefined;
   }
   return shown;
 }

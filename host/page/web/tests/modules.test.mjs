@@ -72,8 +72,10 @@ describe("what a skin's board said", () => {
     assert.deepEqual(seen(robot), [0, undefined], "it came before");
     told(robot, [["image", { sequence: 8 }, 4n], ["contacts", contacts, 4n]]);
     assert.deepEqual(seen(robot), [1, 8], "the next status is not there yet");
+    told(robot, [["status", { state: "lost" }, 5n], ["status", { state: "live" }, 6n]]);
+    assert.deepEqual(seen(robot), [0, undefined], "what came before the loss does not come back with the board");
     // Scrubbed back to between the last frame and the loss: only the status is another there.
-    told(robot, [["status", { state: "lost" }, 5n], ["status", { state: "live" }, 1n]]);
+    told(robot, [["status", { state: "live" }, 1n]]);
     assert.deepEqual(seen(robot), [1, 8]);
   });
 
@@ -222,11 +224,23 @@ describe("history", () => {
 
   test("of a whole recording, the minute before any time; loss is a rate", () => {
     const history = new History(Infinity);
-    for (let i = 0; i <= 300; i++) history.addStatus(i, { frames_lost: BigInt(2 * i), frames_per_second: 50, signal_to_noise: NaN });
+    for (let i = 0; i <= 300; i++) history.addStatus(i, { state: "live", frames_lost: BigInt(2 * i), frames_per_second: 50, signal_to_noise: NaN });
     assert.deepEqual(history.before("lost", 200.5).times.length, 60);
     assert.deepEqual(history.before("lost", 200.5).times.at(-1), 200);
     assert.deepEqual(history.before("lost", 200.5).values.at(-1), 2);
     assert.deepEqual(history.before("noise", 3).values, [null, null, null, null]);
+  });
+
+  test("contacts of a lost board are not known until they come again", () => {
+    const history = new History();
+    const status = (state) => ({ state, frames_lost: 0n, frames_per_second: 0, signal_to_noise: NaN });
+    history.take("contacts", 1, { contacts: [{ force: 2, strength: 0.5 }] });
+    history.take("status", 1.5, status("live"));
+    assert.deepEqual(history.of("count").values, [1]);
+    history.take("status", 2, status("lost"));
+    for (const name of ["force", "strength", "count"]) assert.equal(history.of(name).values.at(-1), null);
+    history.take("contacts", 3, { contacts: [] });
+    assert.deepEqual(history.of("count").values, [1, null, 0]);
   });
 });
 

@@ -306,7 +306,7 @@ class BodyRecording(unittest.TestCase):
         table = "[[patches]]\nname = '{}'\nskin = '{}'\nport = '{}'\n{}"
         body = "".join(table.format(name, MODEL, port, place) for name, port in patches)
         (desk.path / "body.toml").write_text(f'name = "arm"\n{body}')
-        cls.content = served(desk.path / "body.toml", cls.file, seconds=5)
+        cls.content = served(desk.path / "body.toml", cls.file, seconds=8)
 
     def test_every_reader_finds_the_same_in_it(self):
         # Frames of one skin's tare come into the file when it is over, after later ones of another skin.
@@ -358,7 +358,7 @@ class RobotRecording(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.file = desk.path / "robot.mcap"
-        cls.content = served(ARM, cls.file, seconds=4)
+        cls.content = served(ARM, cls.file, seconds=8)
 
     def test_every_reader_finds_the_same_of_the_robot(self):
         topics = ["/links", "/tf", "/tf_static"]

@@ -26,7 +26,7 @@ name = "arm"
 [[patches]]
 name = "palm"
 skin = "palm.toml"
-port = "sim:palm.toml"
+port = "tcp:127.0.0.1:{port}"
 link = "hand/palm.left"
 position = ["120 mm", -0.03, "0.5 m"]
 orientation = [0.5, 0.5, 0.5, 0.5]
@@ -60,6 +60,20 @@ def setUpModule():
     desk.undisturbed = list(desk.came["contacts"])
 
 
+def start_board(program, path, port):
+    """A simulated board with the skin's patch, whose finger is always on the skin."""
+    address, options = f"tcp:127.0.0.1:{port}", {"cwd": path, "stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL}
+    board = subprocess.Popen([program, "simulate", "palm.toml", "--listen", address], **options)
+    unittest.addModuleCleanup(board.kill)
+    begun = time.monotonic()
+    while socket.socket().connect_ex(("127.0.0.1", port)):
+        assert time.monotonic() < begun + 30, "the simulated board does not listen"
+        time.sleep(0.1)
+    for arguments in [["build", "palm.toml", "-o", "palm.dermatome"], ["flash", "palm.dermatome", "--port", address]]:
+        subprocess.run([program, *arguments], check=True, **options)
+    return board
+
+
 class Desk:
     """A skin that the program serves, and what has come of it: topic, stamp, bytes, and when."""
 
@@ -70,7 +84,9 @@ class Desk:
         skin = MODEL.read_text().replace('edge_length = "1.2 mm"', 'edge_length = "3 mm"')
         self.skin = skin + CALIBRATION
         (path / "palm.toml").write_text(self.skin)
-        (path / "robot.toml").write_text(ROBOT)
+        port = free_port()
+        (path / "robot.toml").write_text(ROBOT.format(port=port))
+        self.board = start_board(program, path, port)
         endpoint = f"tcp/127.0.0.1:{free_port()}"
         config = zenoh.Config()
         config.insert_json5("listen/endpoints", json.dumps([endpoint]))
@@ -112,8 +128,9 @@ class Desk:
         return {line["sequence"]: line for line in lines if "sequence" in line}
 
     def close(self):
-        self.served.kill()
-        self.served.wait()
+        for process in [self.served, self.board]:
+            process.kill()
+            process.wait()
         self.session.close()
         self.folder.cleanup()
 
@@ -192,7 +209,7 @@ class B_Questions(unittest.TestCase):
 
     def test_to_drive(self):
         outcome = self.order("drive", messages.drive(frame_rate=40))
-        # The finger of a simulated board is always on the skin.
+        # The finger is always on the skin.
         self.assertFalse(outcome.success)
         self.assertIn("its new drive waits until it is free", outcome.message)
         for payload, words in [

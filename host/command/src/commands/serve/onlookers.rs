@@ -135,12 +135,12 @@ impl Onlookers {
                     outlets.status(status.clone());
                 }
             }
-            Told::NotDriven(why) => *refused = Some(format!("the board keeps its drive: {why}")),
+            Told::NotDriven { why, .. } => *refused = Some(format!("the board keeps its drive: {why}")),
             Told::State(state) => {
                 stand_so(status, state);
                 outlets.status(status.clone());
             }
-            Told::Reference(_) => {}
+            Told::GivenUp(_) | Told::Reference(_) => {}
         }
     }
 

@@ -15,7 +15,11 @@ use roxmltree::Node;
 const KINDS: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
 /// Those that need a limit.
 const LIMITED: [&str; 2] = ["revolute", "prismatic"];
-/// Those whose axis nobody reads.
+/// What a limit may say, in numbers.
+const OF_LIMIT: [&str; 4] = ["lower", "upper", "effort", "velocity"];
+/// What urdfdom wants of it.
+const NEEDED: [&str; 2] = ["effort", "velocity"];
+/// Joints whose axis nobody reads.
 const UNMOVED: [&str; 2] = ["fixed", "floating"];
 
 impl<'a, 'input> Check<'a, 'input> {
@@ -49,9 +53,7 @@ impl<'a, 'input> Check<'a, 'input> {
         if !UNMOVED.contains(&kind) {
             self.axis(joint, name);
         }
-        if LIMITED.contains(&kind) {
-            self.limit(joint, name);
-        }
+        self.limit(joint, name);
         self.mimic(joint, name);
     }
 
@@ -69,11 +71,30 @@ impl<'a, 'input> Check<'a, 'input> {
         }
     }
 
-    /// An end that is not there is 0.
+    /// An end that is not there is 0. Of other kinds of joints urdfdom reads it as well, and nobody uses the ends.
     fn limit(&mut self, joint: Node<'a, 'input>, name: &str) {
         let Some(limit) = children(joint, "limit").next() else { return };
+        for part in OF_LIMIT {
+            if let Some(text) = limit.attribute(part).filter(|_| number(limit, part).is_none()) {
+                let message = format!("the limit of joint {name:?} has {part} = {text:?}; allowed: a number");
+                return self.error(limit, message);
+            }
+        }
+        let missing: Vec<_> = NEEDED
+            .into_iter()
+            .filter(|part| !limit.has_attribute(*part))
+            .map(|part| format!("`{part}`"))
+            .collect();
+        if !missing.is_empty() {
+            let missing = missing.join(" and ");
+            let message = format!(
+                "the limit of joint {name:?} has no {missing}: urdfdom, and with it ROS, refuses the robot"
+            );
+            self.warn(limit, message);
+        }
+        let is_limited = joint.attribute("type").is_some_and(|kind| LIMITED.contains(&kind));
         let [lower, upper] = ["lower", "upper"].map(|end| number(limit, end).unwrap_or(0.0));
-        if lower > upper {
+        if is_limited && lower > upper {
             let message = format!(
                 "joint {name:?} has lower = {lower} above upper = {upper}, so it can be nowhere; allowed: lower up to upper"
             );

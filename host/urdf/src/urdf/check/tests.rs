@@ -5,6 +5,8 @@ fn findings(text: &str) -> Vec<Finding> {
     check(text, &Places { folder: Path::new("."), packages: &[] }, &[]).unwrap().findings
 }
 
+const RIGHT: &str = "<limit effort='1' velocity='1'/>";
+
 fn robot(shape: &str, joint: &str) -> String {
     format!(
         "<robot name='r'><link name='base'/><link name='arm'>{shape}<inertial/></link>\n<joint name='j' \
@@ -15,13 +17,14 @@ fn robot(shape: &str, joint: &str) -> String {
 #[test]
 fn what_urdfdom_refuses_is_an_error_and_what_only_looks_odd_is_a_warning() {
     use Level::{Error, Warning};
-    let solid = |solid: &str| robot(&format!("<visual><geometry>{solid}</geometry></visual>"), "<limit/>");
-    let joint = |inner: &str| robot("", &format!("{inner}<limit lower='-1' upper='1'/>"));
+    let solid = |solid: &str| robot(&format!("<visual><geometry>{solid}</geometry></visual>"), RIGHT);
+    let joint =
+        |inner: &str| robot("", &format!("{inner}<limit lower='-1' upper='1' effort='1' velocity='1'/>"));
     for (text, level, line, expected) in [
-        (robot("", "<limit/>").replace(" name='r'", ""), Error, 1, "the robot has no `name`"),
-        (robot("", "<limit/>").replace("'r'", "''"), Warning, 1, "the `name` of the robot is empty"),
-        (robot("<visual/>", "<limit/>"), Error, 1, "link \"arm\": a <visual> has no shape"),
-        (robot("<collision><geometry/></collision>", "<limit/>"), Error, 1, "a <collision> has no shape"),
+        (robot("", RIGHT).replace(" name='r'", ""), Error, 1, "the robot has no `name`"),
+        (robot("", RIGHT).replace("'r'", "''"), Warning, 1, "the `name` of the robot is empty"),
+        (robot("<visual/>", RIGHT), Error, 1, "link \"arm\": a <visual> has no shape"),
+        (robot("<collision><geometry/></collision>", RIGHT), Error, 1, "a <collision> has no shape"),
         (solid("<box/>"), Error, 1, "the <box> of a <visual> is not complete; allowed: size"),
         (solid("<box size='1 2'/>"), Error, 1, "is not complete"),
         (
@@ -35,7 +38,26 @@ fn what_urdfdom_refuses_is_an_error_and_what_only_looks_odd_is_a_warning() {
         (solid("<cylinder radius='0' length='1'/>"), Warning, 1, "has the size 0 1"),
         (solid("<cylinder radius='1'/>"), Error, 1, "allowed: radius and length"),
         (solid("<mesh/>"), Error, 1, "allowed: filename"),
-        (robot("", "<limit lower='1' upper='-1'/>"), Warning, 2, "has lower = 1 above upper = -1"),
+        (
+            robot("", "<limit lower='1' upper='-1' effort='1' velocity='1'/>"),
+            Warning,
+            2,
+            "has lower = 1 above upper = -1",
+        ),
+        (
+            robot("", "<limit/>"),
+            Warning,
+            2,
+            "the limit of joint \"j\" has no `effort` and `velocity`: urdfdom, and with it ROS, refuses",
+        ),
+        (robot("", "<limit effort='1'/>"), Warning, 2, "has no `velocity`: urdfdom"),
+        (
+            robot("", "<limit effort='1' velocity='1' upper='a'/>"),
+            Error,
+            2,
+            "has upper = \"a\"; allowed: a number",
+        ),
+        (robot("", "<limit effort='' velocity='1'/>"), Error, 2, "has effort = \"\"; allowed: a number"),
         (joint("<axis xyz='0 0 0'/>"), Warning, 2, "the `axis` of joint \"j\" is 0 0 0"),
         (joint("<axis xyz='0 1'/>"), Error, 2, "joint \"j\": `xyz` of <axis> is \"0 1\""),
         (joint("<mimic joint='k'/>"), Warning, 2, "joint \"j\" mimics \"k\", which is no joint"),
@@ -56,7 +78,8 @@ fn what_is_right_finds_nothing() {
         ["<box size='1 1 1'/>", "<sphere radius='1'/>", "<cylinder radius='1' length='1'/>", "<capsule/>"]
     {
         let parts = format!("<visual><geometry>{shape}</geometry></visual>");
-        let joint = "<axis xyz='0 0 1'/><limit lower='0' upper='0'/><mimic joint='j'/>";
+        let joint =
+            "<axis xyz='0 0 1'/><limit lower='0' upper='0' effort='1' velocity='1'/><mimic joint='j'/>";
         assert_eq!(findings(&robot(&parts, joint)), []);
     }
     let fixed = robot("", "<axis xyz='0 0 0'/>").replace("revolute", "fixed");

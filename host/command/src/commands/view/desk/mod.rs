@@ -43,6 +43,8 @@ use std::{
 const STATUS_PERIOD: Duration = Duration::from_millis(500);
 /// Time until a board is tried again.
 const PAUSE: Duration = Duration::from_millis(500);
+/// Frames without contacts after which a board has no reference: those of fewer may have been lost on the way.
+const SURELY: u32 = 3;
 /// How often a skin that is pressed is looked at again.
 const LOOK_AGAIN: Duration = Duration::from_millis(300);
 /// Longest the desk waits for a frame without looking who asks for something.
@@ -84,6 +86,8 @@ pub(in crate::commands) struct Desk<'a> {
     slot: Option<u16>,
     /// The drive that was asked for, for a board that comes back without it.
     drive: Option<Drive>,
+    /// Frames without contacts, one after the other.
+    without_contacts: u32,
     /// Who waits for a reference.
     waiting: VecDeque<Call>,
     /// The skin by its last reference.
@@ -134,6 +138,7 @@ impl<'a> Desk<'a> {
             threshold: 0.0,
             rules: Vec::new(),
             reflexes: None,
+            without_contacts: 0,
             slot: None,
             drive: None,
             waiting: VecDeque::new(),
@@ -362,6 +367,8 @@ impl<'a> Desk<'a> {
         self.watch(frame);
         let shown = self.shown(frame);
         let is_tared = self.outlets.frame(frame, shown.as_ref());
+        let before = if frame.contacts.is_some() { 0 } else { self.without_contacts };
+        self.without_contacts = before + u32::from(frame.contacts.is_none() && frame.at.is_some());
         if frame.contacts.is_some() {
             self.state(LIVE, "", "");
         } else if self.outlets.is_taring() {
@@ -370,7 +377,8 @@ impl<'a> Desk<'a> {
                 "the board averages the untouched skin",
                 "do not touch the skin until it is done; if it takes long, look at `check`",
             );
-        } else if frame.measurements.is_some() || frame.health.is_some() {
+        } else if self.without_contacts >= SURELY && (frame.measurements.is_some() || frame.health.is_some())
+        {
             self.state(
                 "not_tared",
                 "the board has no reference: it makes one as soon as the skin is steady",
