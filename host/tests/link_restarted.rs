@@ -108,7 +108,7 @@ fn a_board_that_restarts_behind_an_adapter_that_stays_gets_the_drive_that_it_had
     wait(&told, |told| is(&told, Phase::Live).then_some(()));
     first.stop().unwrap();
     wait(&told, |told| is(&told, Phase::Lost).then_some(()));
-    let _second = adapter.board(desk.read("skin.dermatome"));
+    let second = adapter.board(desk.read("skin.dermatome"));
     wait(&told, |told| matches!(&told, Told::Driven(driven) if driven.drive == slow).then_some(()));
     wait(&told, |told| is(&told, Phase::Live).then_some(()));
     // By the board's own clock.
@@ -121,4 +121,7 @@ fn a_board_that_restarts_behind_an_adapter_that_stays_gets_the_drive_that_it_had
     let times: Vec<u64> = frames.collect();
     let period = (times[9] - times[0]) as f64 * 1e-6 / 9.0;
     assert!((period * f64::from(slow.frame_rate) - 1.0).abs() < 0.2, "{period} s");
+    // The keeper ends, though nobody answers when it ends the stream.
+    second.stop().unwrap();
+    drop(keeper);
 }

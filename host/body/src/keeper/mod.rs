@@ -403,7 +403,8 @@ impl Board {
             let mut is_to_tare = self.wants_tare && averaging.is_none() && presses.is_untouched();
             match self.obey(stream.link(), patch, is_free)? {
                 ControlFlow::Break(stop) => {
-                    stream.stop()?;
+                    // A board that does not answer any more keeps nobody from ending.
+                    let _ = stream.stop();
                     return Ok(Some(stop));
                 }
                 // The board begins that of a tare anew, and all may take longer now.

@@ -267,7 +267,7 @@ describe("a whole robot", () => {
     await screenshot(page, "whole-robot-recorded");
     await page.locator("#position").fill("0");
     await until(page, (length) => window.dermatome.state().robot.contacts.length !== length, robot.contacts.length);
-    await page.locator("#position").fill((Math.ceil(recording.seconds * 1000) / 1000).toFixed(3));
+    await page.locator("#position").fill(String(Math.ceil(recording.seconds * 1000) / 1000));
     await until(page, (length) => window.dermatome.state().robot.contacts.length === length, robot.contacts.length);
     await assertColoured(page, await page.evaluate(() => window.dermatome.state().robot));
     await page.keyboard.press("2");
