@@ -20,9 +20,14 @@ use tempfile::TempDir;
 /// Longest any command of these tests may take; a busy machine needs some of it.
 pub(crate) const LIMIT: Duration = Duration::from_secs(180);
 
-/// How long something may take that is to take `bound` at most: with `DERMATOME_BOUNDS=1`, on a computer without other work.
+/// Whether it is also tested how soon all is done: with `DERMATOME_BOUNDS=1`, on a computer without other work.
+pub(crate) fn has_bounds() -> bool {
+    std::env::var_os("DERMATOME_BOUNDS").is_some()
+}
+
+/// How long something may take that is to take `bound` at most.
 pub(crate) fn within(bound: Duration) -> Duration {
-    if std::env::var_os("DERMATOME_BOUNDS").is_some() { bound } else { LIMIT }
+    if has_bounds() { bound } else { LIMIT }
 }
 
 /// A coarse skin of 8 electrodes.

@@ -60,13 +60,18 @@ def setUpModule():
     desk.undisturbed = list(desk.came["contacts"])
 
 
+def listens(port):
+    with socket.socket() as trial:
+        return trial.connect_ex(("127.0.0.1", port)) == 0
+
+
 def start_board(program, path, port):
     """A simulated board with the skin's patch, whose finger is always on the skin."""
     address, options = f"tcp:127.0.0.1:{port}", {"cwd": path, "stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL}
     board = subprocess.Popen([program, "simulate", "palm.toml", "--listen", address], **options)
     unittest.addModuleCleanup(board.kill)
     begun = time.monotonic()
-    while socket.socket().connect_ex(("127.0.0.1", port)):
+    while not listens(port):
         assert time.monotonic() < begun + 30, "the simulated board does not listen"
         time.sleep(0.1)
     for arguments in [["build", "palm.toml", "-o", "palm.dermatome"], ["flash", "palm.dermatome", "--port", address]]:
