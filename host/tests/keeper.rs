@@ -82,7 +82,7 @@ fn a_drive_or_a_tare_waits_until_nothing_presses_and_says_so() {
         (RECORDED, Asked::Tare),
         (SERVED, Asked::Tare),
     ] {
-        let (desk, _board, port) = pressed_board();
+        let (desk, _board, port) = pressed_board(4);
         let (keeper, told) = keep(&desk, &port, selection);
         wait(&told, |told| (contacts(&told)? > 0).then_some(()));
         keeper.ask(asked);
@@ -105,7 +105,7 @@ fn a_drive_or_a_tare_waits_until_nothing_presses_and_says_so() {
 
 #[test]
 fn of_drives_that_wait_the_last_one_counts_and_that_of_now_gives_it_up() {
-    let (desk, _board, port) = pressed_board();
+    let (desk, _board, port) = pressed_board(12);
     let (keeper, told) = keep(&desk, &port, SERVED);
     let before = wait(&told, |told| if let Told::Driven(driven) = told { Some(driven.drive) } else { None });
     wait(&told, |told| (contacts(&told)? > 0).then_some(()));
@@ -146,10 +146,11 @@ fn board() -> (Desk, Running, String) {
     (desk, board, port)
 }
 
-/// One on whose skin a finger rests for four seconds.
-fn pressed_board() -> (Desk, Running, String) {
+/// One on whose skin a finger rests for so many seconds.
+fn pressed_board(seconds: u32) -> (Desk, Running, String) {
     let desk = Desk::with_patch();
-    let finger = "0,1,0,0,0.01,0.8\n4,1,0,0,0.01,0.8\n4.1,1,0,0,0.01,0\n900,1,0,0,0.01,0\n";
+    let finger =
+        format!("0,1,0,0,0.01,0.8\n{seconds},1,0,0,0.01,0.8\n{seconds}.1,1,0,0,0.01,0\n900,1,0,0,0.01,0\n");
     desk.write("path.csv", format!("time_s,finger,x_m,y_m,radius_m,depth\n{finger}"));
     let (board, port) = flashed(&desk, &["--path", "path.csv"]);
     (desk, board, port)

@@ -7,9 +7,12 @@ mod program;
 mod testbench;
 
 use dermatome::{
-    body::keeper::{Asked, Phase, Told},
-    shared::{drive::Drive, protocol::Selection},
-    simulate::board::{BoardOptions, SimulatedBoard},
+    body::keeper::{Asked, Phase, State, Told},
+    shared::{drive::Drive, frame::Frame, protocol::Selection},
+    simulate::{
+        board::{BoardOptions, SimulatedBoard},
+        instrument::{Instrument, ScanTable},
+    },
 };
 use program::{
     Desk,
@@ -23,6 +26,15 @@ use std::{
     thread,
 };
 use testbench::{Pressed, raw, small_patch};
+
+/// A skin that nothing presses.
+struct Untouched(Pressed);
+
+impl Instrument for Untouched {
+    fn scan(&mut self, table: &ScanTable, _script_time: Option<f64>) -> Frame {
+        self.0.scan(table, None)
+    }
+}
 
 /// Copies bytes to the host until the board has gone.
 fn to_host(mut board: TcpStream, mut host: TTYPort) {
@@ -68,7 +80,7 @@ impl Adapter {
     /// A board with this patch is behind it from now on.
     fn board(&self, patch: Vec<u8>) -> SimulatedBoard {
         let options = BoardOptions { patch: Some(patch), ..BoardOptions::default() };
-        let board = SimulatedBoard::start(options, Pressed::new(1)).unwrap();
+        let board = SimulatedBoard::start(options, Untouched(Pressed::new(1))).unwrap();
         let line = raw(board.address());
         *self.to_board.lock().unwrap() = Some(line.try_clone().unwrap());
         to_host(line, self.near.try_clone_native().unwrap());
@@ -107,8 +119,12 @@ fn a_board_that_restarts_behind_an_adapter_that_stays_gets_the_drive_that_it_had
     wait(&told, |told| is(&told, Phase::Taring).then_some(()));
     wait(&told, |told| is(&told, Phase::Live).then_some(()));
     first.stop().unwrap();
-    wait(&told, |told| is(&told, Phase::Lost).then_some(()));
     let second = adapter.board(desk.read("skin.dermatome"));
+    let lost = wait(&told, |told| match told {
+        Told::State(State { phase: Phase::Lost, text }) => Some(text),
+        _ => None,
+    });
+    assert!(lost.starts_with("no frame came"), "the port was opened anew: {lost}");
     wait(&told, |told| matches!(&told, Told::Driven(driven) if driven.drive == slow).then_some(()));
     wait(&told, |told| is(&told, Phase::Live).then_some(()));
     // By the board's own clock.

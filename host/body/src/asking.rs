@@ -48,8 +48,7 @@ pub fn drive(request: &DriveRequest, sense: &Sense) -> Result<Asked, Outcome> {
     let drive = request.of(&driven.drive);
     match driven.check(&drive) {
         Err(error) => Err(Outcome::refused(error.to_string())),
-        // That of now gives up another one that waits.
-        Ok(()) if drive == driven.drive && !sense.state.drive_waits() => Err(Outcome::done(in_words(&drive))),
+        // That of now too, as it gives up another one that waits.
         Ok(()) => Ok(Asked::Drive(drive)),
     }
 }

@@ -65,7 +65,9 @@ impl Scene {
         let mut put = |topic, bytes| packed.push(Packed::now(topic, now_ns, bytes));
         self.flags.insert(at.flags);
         self.tripped |= frame.reflexes.as_ref().map_or(0, |reflexes| reflexes.tripped);
-        if now_ns.saturating_sub(self.diagnosed) >= DIAGNOSTICS_PERIOD {
+        // One without contacts is no sign that all is well.
+        let tells = frame.contacts.is_some() || self.flags != FrameFlags::default();
+        if tells && now_ns.saturating_sub(self.diagnosed) >= DIAGNOSTICS_PERIOD {
             self.diagnosed = now_ns;
             put(Topic::Diagnostics, cdr::encode(&self.diagnostics(frame, now_ns)));
             (self.flags, self.tripped) = (FrameFlags::default(), 0);

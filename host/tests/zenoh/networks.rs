@@ -114,7 +114,6 @@ fn a_computer_is_cut_off_and_comes_back_while_the_other_goes_on() {
     let (mut slowest_end, mut slowest_start) = (Duration::ZERO, Duration::ZERO);
     // Too short to be noticed by anyone but TCP; noticed; and so long that TCP hardly tries any more.
     for seconds in [0.3, 3.0, 12.0] {
-        let right = hearing.said("right").frames;
         network.cable("left", "down");
         let cut = Instant::now();
         if seconds > 1.0 {
@@ -123,6 +122,7 @@ fn a_computer_is_cut_off_and_comes_back_while_the_other_goes_on() {
         }
         thread::sleep(Duration::from_secs_f64(seconds).saturating_sub(cut.elapsed()));
         // The other one goes on.
+        let right = hearing.said("right").frames;
         hearing.wait("right", START, |said| said.frames > right);
         network.cable("left", "up");
         let frames = hearing.said("left").frames;

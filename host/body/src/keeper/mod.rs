@@ -274,9 +274,11 @@ impl Board {
                 Err(TryRecvError::Empty) => break,
             }
         }
-        let drive = self.wants_drive.take_if(|drive| is_free || *drive == patch.drive);
-        let is_changed = drive.map_or(Ok(false), |drive| self.change_drive(link, patch, drive));
-        is_changed.map(ControlFlow::Continue)
+        let drive = self.wants_drive.filter(|drive| is_free || *drive == patch.drive);
+        let is_changed = drive.map_or(Ok(false), |drive| self.change_drive(link, patch, drive))?;
+        // One for which the link has failed still waits when the board is back.
+        self.wants_drive = self.wants_drive.filter(|_| drive.is_none());
+        Ok(ControlFlow::Continue(is_changed))
     }
 
     /// Has the skin driven like this; the board may refuse. Says whether it is driven otherwise now.
@@ -345,6 +347,8 @@ impl Board {
     fn make_reference(&mut self, link: &mut Link, patch: &mut PatchInfo) -> Result<Option<Stop>, LinkError> {
         self.state(Phase::Taring, AVERAGING);
         let mut averaging = Averaging::begin(link, patch)?;
+        // Who asks from here on gets one of its own.
+        self.wants_tare = false;
         while !is_tared(link, LOOK)? {
             if let Some(why) = averaging.too_late() {
                 return Err(link.error(why));
@@ -399,8 +403,9 @@ impl Board {
         // What is said to wait for a free skin, in words.
         let mut said = "";
         loop {
-            let is_free = averaging.is_some() || presses.is_free();
-            let mut is_to_tare = self.wants_tare && averaging.is_none() && presses.is_untouched();
+            let now = Instant::now();
+            let is_free = averaging.is_some() || presses.is_free(now);
+            let mut is_to_tare = self.wants_tare && averaging.is_none() && presses.is_untouched(now);
             match self.obey(stream.link(), patch, is_free)? {
                 ControlFlow::Break(stop) => {
                     // A board that does not answer any more keeps nobody from ending.
@@ -420,9 +425,9 @@ impl Board {
                 ControlFlow::Continue(false) => {}
             }
             if is_to_tare {
-                self.wants_tare = false;
                 if self.shows_tares() {
                     (averaging, said) = (Some(Averaging::begin(stream.link(), patch)?), "");
+                    self.wants_tare = false;
                     continue;
                 }
                 stream.stop()?;

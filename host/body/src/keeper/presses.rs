@@ -28,7 +28,10 @@ impl Presses {
         let Some(contacts) = &frame.contacts else { return };
         let is_touched = !contacts.is_empty();
         let is_pressed = is_touched && frame.at.is_some_and(|at| at.flags.leaves_contacts_valid());
-        let since = |before: Option<Instant>, is_so: bool| is_so.then(|| before.unwrap_or(now));
+        // What was between frames that lie far apart nobody knows.
+        let goes_on = self.tells(now);
+        let since =
+            |before: Option<Instant>, is_so: bool| is_so.then(|| before.filter(|_| goes_on).unwrap_or(now));
         self.seen = Some(now);
         self.untouched = since(self.untouched, !is_touched);
         self.unpressed = since(self.unpressed, !is_pressed);
@@ -45,18 +48,24 @@ impl Presses {
         self.seen.is_some() && self.unpressed.is_none()
     }
 
-    /// Whether frames have come for long without any contact.
-    pub(super) fn is_untouched(&self) -> bool {
-        self.is_long(self.untouched)
+    /// Whether frames have come for long without any contact, until now.
+    pub(super) fn is_untouched(&self, now: Instant) -> bool {
+        self.is_long(self.untouched, now)
     }
 
     /// The same of contacts that nothing is known to be wrong with.
-    pub(super) fn is_free(&self) -> bool {
-        self.is_long(self.unpressed)
+    pub(super) fn is_free(&self, now: Instant) -> bool {
+        self.is_long(self.unpressed, now)
     }
 
-    fn is_long(&self, since: Option<Instant>) -> bool {
-        self.seen.zip(since).is_some_and(|(seen, since)| seen.duration_since(since) >= self.free)
+    fn is_long(&self, since: Option<Instant>, now: Instant) -> bool {
+        let seen = self.seen.filter(|_| self.tells(now));
+        seen.zip(since).is_some_and(|(seen, since)| seen.duration_since(since) >= self.free)
+    }
+
+    /// Whether the last frame is not long ago.
+    fn tells(&self, now: Instant) -> bool {
+        self.seen.is_some_and(|seen| now.duration_since(seen) <= self.free)
     }
 }
 
@@ -83,24 +92,25 @@ mod tests {
         identity: None,
     };
 
-    /// A skin of which frames have come, each after so many ms with so many contacts and these flags.
-    fn after(frame_rate: f32, frames: &[(u64, Option<usize>, FrameFlags)]) -> Presses {
+    /// A skin of which frames have come, each after so many ms with so many contacts and these flags, and when the last one came.
+    fn after(frame_rate: f32, frames: &[(u64, Option<usize>, FrameFlags)]) -> (Presses, Instant) {
         let begun = Instant::now();
         let mut presses = Presses::new(frame_rate);
+        let mut now = begun;
         for &(ms, contacts, flags) in frames {
             let contacts = contacts.map(|count| (0..count).map(|_| CONTACT).collect());
             let at = Some(FrameStamp { sequence: 0, timestamp_us: 0, flags });
-            let frame = ScanFrame { at, contacts, ..ScanFrame::default() };
-            presses.take(&frame, begun + Duration::from_millis(ms));
+            now = begun + Duration::from_millis(ms);
+            presses.take(&ScanFrame { at, contacts, ..ScanFrame::default() }, now);
         }
-        presses
+        (presses, now)
     }
 
     fn is_free(frame_rate: f32, frames: &[(u64, Option<usize>)]) -> bool {
         let frames: Vec<_> = frames.iter().map(|&(ms, count)| (ms, count, FrameFlags::default())).collect();
-        let presses = after(frame_rate, &frames);
-        assert_eq!(presses.is_free(), presses.is_untouched());
-        presses.is_free()
+        let (presses, now) = after(frame_rate, &frames);
+        assert_eq!(presses.is_free(now), presses.is_untouched(now));
+        presses.is_free(now)
     }
 
     #[test]
@@ -122,19 +132,28 @@ mod tests {
         assert!(!is_free(50.0, &[(100, Some(1)), (3100, Some(0))]));
         assert!(!is_free(50.0, &[(100, Some(1)), (400, None), (800, None)]));
         assert!(!is_free(50.0, &[(100, Some(0)), (400, None), (800, None)]));
+        // Nothing is known of the second between two frames.
+        assert!(!is_free(50.0, &[(100, Some(0)), (1100, Some(0))]));
+        // A skin that was free, of which nothing has come for long.
+        let (presses, now) =
+            after(50.0, &[(0, Some(0), FrameFlags::default()), (500, Some(0), FrameFlags::default())]);
+        assert!(presses.is_free(now + Duration::from_millis(500)));
+        let late = now + Duration::from_millis(501);
+        assert!(!presses.is_free(late) && !presses.is_untouched(late));
     }
 
     #[test]
     fn contacts_that_something_is_wrong_with_keep_a_tare_waiting_but_no_drive() {
         let wrong = FrameFlags::SATURATED;
-        let presses = after(50.0, &[(100, Some(1), wrong), (700, Some(1), wrong)]);
+        let (presses, now) =
+            after(50.0, &[(100, Some(1), wrong), (400, Some(1), wrong), (700, Some(1), wrong)]);
         assert!(presses.is_touched() && !presses.is_pressed());
-        assert!(presses.is_free() && !presses.is_untouched());
+        assert!(presses.is_free(now) && !presses.is_untouched(now));
     }
 
     #[test]
     fn what_is_not_known_is_not_said_to_press() {
-        let presses = after(50.0, &[(100, None, FrameFlags::default())]);
+        let (presses, _) = after(50.0, &[(100, None, FrameFlags::default())]);
         assert!(!presses.is_touched() && !presses.is_pressed());
     }
 }

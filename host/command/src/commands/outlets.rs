@@ -132,8 +132,10 @@ pub(super) struct Outlets {
     /// The last reference and the frames that it was made of, for other patches.
     tare: Vec<Item>,
     has_warned: bool,
-    /// Whether frames come, as was told last.
-    is_live: bool,
+    /// Whether frames have ever come.
+    has_lived: bool,
+    /// How the board stood, as was told last.
+    state: String,
 }
 
 impl Outlets {
@@ -159,7 +161,8 @@ impl Outlets {
             drive: None,
             tare: Vec::new(),
             has_warned: false,
-            is_live: false,
+            has_lived: false,
+            state: String::new(),
         }
     }
 
@@ -341,7 +344,9 @@ impl Outlets {
     pub(super) fn status(&mut self, status: Status) {
         let now = now_ns();
         let is_live = status.state == LIVE;
-        if std::mem::replace(&mut self.is_live, is_live) && !is_live {
+        self.has_lived |= is_live;
+        let before = std::mem::replace(&mut self.state, status.state.clone());
+        if self.has_lived && !is_live && before != self.state {
             let level = if TARES.contains(&status.state.as_str()) { WARN } else { ERROR };
             self.scene.over(level, &status.text, now).into_iter().for_each(|packed| self.send(packed));
         }

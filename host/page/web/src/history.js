@@ -64,7 +64,14 @@ export class History {
     this.add("lost", time, this.lostRate(time, lost));
     this.lostBefore = { time, lost };
     // Until contacts come again.
-    if (status.state !== "live") for (const name of OF_CONTACTS) this.add(name, time, NaN);
+    if (status.state !== "live") for (const name of OF_CONTACTS) this.end(name, time);
+  }
+
+  /** No value is known from `time` on, until another comes. */
+  end(name, time) {
+    const { times, values } = this.of(name);
+    const last = times.length - 1;
+    if (last >= 0 && values[last] !== null) this.add(name, Math.max(time, times[last] + BIN_S), NaN);
   }
 
   lostRate(time, lost) {

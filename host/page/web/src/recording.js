@@ -157,11 +157,11 @@ class Recording {
     return undefined;
   }
 
-  /** All messages of `topics`, chunk by chunk; chunks that are read for it are not held. */
+  /** All messages of `topics` in the order of time, chunk by chunk; chunks that are read for it are not held. */
   async *walk(topics) {
     for (const chunk of this.chunks) {
       const messages = await (this.held.get(chunk) ?? this.readMessages(chunk));
-      yield topics.flatMap((topic) => messages.get(topic) ?? []);
+      yield topics.flatMap((topic) => messages.get(topic) ?? []).sort((a, b) => Number(a.logTime - b.logTime));
     }
   }
 

@@ -72,12 +72,12 @@ describe("the program", () => {
   test("tare by key: it is live again, with new images", { skip }, async () => {
     const { page, errors, close } = await openPage(browser, program.url);
     await stateIs(page, "Live");
-    await untilDrawn(page);
-    const { sequence } = await page.evaluate(() => window.dermatome.state());
     await page.keyboard.press("t");
     await page.waitForTimeout(500);
     await stateIs(page, "Live");
     assert.equal(await text(page, "said-actions"), "");
+    await until(page, () => window.dermatome.state().sequence !== undefined);
+    const { sequence } = await page.evaluate(() => window.dermatome.state());
     await until(page, (before) => window.dermatome.state().sequence > before, sequence);
     assert.deepEqual(errors, []);
     await close();

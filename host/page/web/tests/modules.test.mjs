@@ -239,8 +239,13 @@ describe("history", () => {
     assert.deepEqual(history.of("count").values, [1]);
     history.take("status", 2, status("lost"));
     for (const name of ["force", "strength", "count"]) assert.equal(history.of(name).values.at(-1), null);
+    history.take("status", 2.5, status("lost"));
     history.take("contacts", 3, { contacts: [] });
     assert.deepEqual(history.of("count").values, [1, null, 0]);
+    // At once with the last contacts, in whichever bin.
+    history.take("status", 3, status("taring"));
+    history.take("contacts", 3.4, { contacts: [] });
+    assert.deepEqual(history.of("count").values, [1, null, 0, null, 0]);
   });
 });
 

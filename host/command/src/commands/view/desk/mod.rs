@@ -312,6 +312,7 @@ impl<'a> Desk<'a> {
             self.outlets.tare(stream.link())?;
         }
         let mut heard = Instant::now();
+        self.without_contacts = 0;
         let left = loop {
             if interrupt::requested() {
                 break Left::Interrupt;
@@ -367,9 +368,9 @@ impl<'a> Desk<'a> {
         self.watch(frame);
         let shown = self.shown(frame);
         let is_tared = self.outlets.frame(frame, shown.as_ref());
-        let before = if frame.contacts.is_some() { 0 } else { self.without_contacts };
-        self.without_contacts = before + u32::from(frame.contacts.is_none() && frame.at.is_some());
+        self.without_contacts += u32::from(frame.at.is_some());
         if frame.contacts.is_some() {
+            self.without_contacts = 0;
             self.state(LIVE, "", "");
         } else if self.outlets.is_taring() {
             self.state(
