@@ -77,10 +77,10 @@ impl Adapter {
         self.far.name().unwrap()
     }
 
-    /// A board with this patch is behind it from now on.
-    fn board(&self, patch: Vec<u8>) -> SimulatedBoard {
+    /// A board with this patch, on this skin, is behind it from now on.
+    fn board(&self, patch: Vec<u8>, skin: impl Instrument + Send + 'static) -> SimulatedBoard {
         let options = BoardOptions { patch: Some(patch), ..BoardOptions::default() };
-        let board = SimulatedBoard::start(options, Untouched(Pressed::new(1))).unwrap();
+        let board = SimulatedBoard::start(options, skin).unwrap();
         let line = raw(board.address());
         *self.to_board.lock().unwrap() = Some(line.try_clone().unwrap());
         to_host(line, self.near.try_clone_native().unwrap());
@@ -91,13 +91,13 @@ impl Adapter {
 #[test]
 fn a_board_that_restarts_behind_an_adapter_that_stays_streams_on() {
     let adapter = Adapter::new();
-    let first = adapter.board(small_patch("small", 50.0));
+    let first = adapter.board(small_patch("small", 50.0), Pressed::new(1));
     let desk = Desk::empty();
     let arguments = ["stream", "--port", &adapter.port(), "--frames", "100", "--json", "stream.json"];
     let mut stream = desk.start(&arguments);
     stream.line();
     first.stop().unwrap();
-    let _second = adapter.board(small_patch("small", 50.0));
+    let _second = adapter.board(small_patch("small", 50.0), Pressed::new(1));
     let done = stream.finish().success();
     assert!(done.err.contains("connected again after"), "{}", done.err);
     let report = desk.report("stream.json");
@@ -109,7 +109,7 @@ fn a_board_that_restarts_behind_an_adapter_that_stays_streams_on() {
 fn a_board_that_restarts_behind_an_adapter_that_stays_gets_the_drive_that_it_had_from_its_keeper() {
     let adapter = Adapter::new();
     let desk = Desk::with_patch();
-    let first = adapter.board(desk.read("skin.dermatome"));
+    let first = adapter.board(desk.read("skin.dermatome"), Untouched(Pressed::new(1)));
     let selection = Selection { contacts: 1, ..Selection::default() };
     let (keeper, told) = keep(&desk, &adapter.port(), selection);
     let before = wait(&told, |told| if let Told::Driven(driven) = told { Some(driven.drive) } else { None });
@@ -119,7 +119,7 @@ fn a_board_that_restarts_behind_an_adapter_that_stays_gets_the_drive_that_it_had
     wait(&told, |told| is(&told, Phase::Taring).then_some(()));
     wait(&told, |told| is(&told, Phase::Live).then_some(()));
     first.stop().unwrap();
-    let second = adapter.board(desk.read("skin.dermatome"));
+    let second = adapter.board(desk.read("skin.dermatome"), Untouched(Pressed::new(1)));
     let lost = wait(&told, |told| match told {
         Told::State(State { phase: Phase::Lost, text }) => Some(text),
         _ => None,
