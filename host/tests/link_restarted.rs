@@ -78,7 +78,7 @@ impl Adapter {
     }
 
     /// A board with this patch, on this skin, is behind it from now on.
-    fn board(&self, patch: Vec<u8>, skin: impl Instrument + Send + 'static) -> SimulatedBoard {
+    fn board(&self, patch: Vec<u8>, skin: impl Instrument + 'static) -> SimulatedBoard {
         let options = BoardOptions { patch: Some(patch), ..BoardOptions::default() };
         let board = SimulatedBoard::start(options, skin).unwrap();
         let line = raw(board.address());
