@@ -3,7 +3,7 @@
 use super::wire::Wire;
 use crate::error::{LinkError, LinkErrorKind};
 use dermatome_shared::protocol::{BoardPacket, Identity, Refusal, Reply, Request, RequestPacket, Version};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Only Hello carries this number.
 pub(super) const HELLO_SEQUENCE: u16 = 0;
@@ -17,7 +17,7 @@ pub(super) fn hello(wire: &mut Wire) -> Result<Identity, LinkError> {
     let request = RequestPacket { sequence: HELLO_SEQUENCE, request: Request::Hello(Version::current()) };
     for _ in 0..HELLO_ATTEMPTS {
         wire.send(&request)?;
-        let deadline = Instant::now() + HELLO_TIMEOUT;
+        let deadline = wire.time() + HELLO_TIMEOUT;
         while let Some(packet) = wire.receive(deadline)? {
             if let BoardPacket::Reply { sequence: HELLO_SEQUENCE, reply } = packet {
                 return check(reply).map_err(|kind| wire.error(kind));

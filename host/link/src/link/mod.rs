@@ -36,11 +36,7 @@ use dermatome_shared::{
     stimulation::Step,
 };
 use order::Order;
-use std::{
-    collections::VecDeque,
-    net::ToSocketAddrs,
-    time::{Duration, Instant},
-};
+use std::{collections::VecDeque, net::ToSocketAddrs, time::Duration};
 use wire::Wire;
 
 /// Most events kept for a host that asks much and listens little; older ones count as lost.
@@ -179,17 +175,17 @@ impl Link {
     /// As [`Self::request`], for what takes a board longer.
     pub fn request_within(&mut self, request: &Request, timeout: Duration) -> Result<Reply, LinkError> {
         let damaged_before = self.wire.damaged();
-        let asked = Instant::now();
+        let asked = self.wire.time();
         self.send(request)?;
         let deadline = asked + timeout;
         let mut ask_again = asked + ASK_AGAIN;
-        while Instant::now() < deadline {
+        while self.wire.time() < deadline {
             match self.wire.receive(deadline.min(ask_again))? {
                 Some(BoardPacket::Reply { sequence, reply }) if sequence == self.last_sequence => {
                     log::debug!(
                         "asked {}, answered after {:.1} ms",
                         name(request),
-                        1e3 * asked.elapsed().as_secs_f64()
+                        1e3 * (self.wire.time() - asked).as_secs_f64()
                     );
                     return self.unless_refused(reply);
                 }
@@ -199,7 +195,7 @@ impl Link {
                 None if may_be_repeated(request) => {
                     self.wire
                         .send(&RequestPacket { sequence: self.last_sequence, request: request.clone() })?;
-                    ask_again = Instant::now() + ASK_AGAIN;
+                    ask_again = self.wire.time() + ASK_AGAIN;
                 }
                 None => ask_again = deadline,
             }
@@ -370,7 +366,7 @@ impl Link {
         timeout: Duration,
         wanted: impl Fn(&Event) -> bool,
     ) -> Result<Option<Numbered>, LinkError> {
-        let deadline = Instant::now() + timeout.max(transport::READ_TIMEOUT);
+        let deadline = self.wire.time() + timeout.max(transport::READ_TIMEOUT);
         loop {
             let packet = self.wire.receive(deadline)?;
             let is_silent = packet.is_none();

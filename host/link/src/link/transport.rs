@@ -42,7 +42,7 @@ pub trait Transport: Read + Write + Send {
         None
     }
 
-    /// How late it is by the line's own clock, as an emulated line has one: by it is known how long no byte has come.
+    /// How late it is by the line's own clock, as an emulated line has one: by it all on the line is waited for.
     fn time(&self) -> Option<Duration> {
         None
     }

@@ -78,13 +78,13 @@ impl Wire {
         write_all(&mut *self.transport, bytes).map_err(|reason| self.failed(reason))
     }
 
-    /// The next packet, waiting for it until `deadline`.
-    pub(super) fn receive(&mut self, deadline: Instant) -> Result<Option<BoardPacket>, LinkError> {
+    /// The next packet, waiting for it until `deadline`, a [time](Self::time).
+    pub(super) fn receive(&mut self, deadline: Duration) -> Result<Option<BoardPacket>, LinkError> {
         loop {
             if let Some(packet) = self.next_packet() {
                 return Ok(Some(packet));
             }
-            if Instant::now() >= deadline {
+            if self.time() >= deadline {
                 return Ok(None);
             }
             self.fill().map_err(|reason| self.failed(reason))?;
