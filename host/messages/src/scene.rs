@@ -66,7 +66,7 @@ impl Scene {
         self.flags.insert(at.flags);
         self.tripped |= frame.reflexes.as_ref().map_or(0, |reflexes| reflexes.tripped);
         // One without contacts is no sign that all is well.
-        let tells = frame.contacts.is_some() || self.flags != FrameFlags::default();
+        let tells = frame.contacts.is_some() || !self.problems(frame).is_empty();
         if tells && now_ns.saturating_sub(self.diagnosed) >= DIAGNOSTICS_PERIOD {
             self.diagnosed = now_ns;
             put(Topic::Diagnostics, cdr::encode(&self.diagnostics(frame, now_ns)));
@@ -185,12 +185,16 @@ impl Scene {
         DiagnosticStatus { level: 0, name, message, hardware_id, values }
     }
 
+    /// What has been wrong since it was told last, in words.
+    fn problems(&self, frame: &ScanFrame) -> Vec<&'static str> {
+        let is_blind = frame.reflexes.as_ref().is_some_and(|reflexes| reflexes.is_blind);
+        let of_reflexes = [(self.tripped > 0, "reflex tripped"), (is_blind, "reflexes blind")];
+        let of_reflexes = of_reflexes.into_iter().filter_map(|(is_so, words)| is_so.then_some(words));
+        self.flags.words().chain(of_reflexes).collect()
+    }
+
     fn diagnostics(&self, frame: &ScanFrame, now_ns: u64) -> DiagnosticArray {
-        let mut problems: Vec<&str> = self.flags.words().collect();
-        problems.extend((self.tripped > 0).then_some("reflex tripped"));
-        problems.extend(
-            frame.reflexes.as_ref().is_some_and(|reflexes| reflexes.is_blind).then_some("reflexes blind"),
-        );
+        let problems = self.problems(frame);
         let mut values = frame.health.as_ref().map(health_values).unwrap_or_default();
         values.extend(frame.reflexes.as_ref().map(|_| tripped_value(self.tripped)));
         let message = if problems.is_empty() { "all is well".to_owned() } else { problems.join(", ") };

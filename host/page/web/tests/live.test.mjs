@@ -248,6 +248,7 @@ describe("a whole robot", () => {
   // Each finger lifts after a round, and a busy computer begins with each skin when it can.
   async function recordUntilAllTouched(file) {
     const serve = spawn(PROGRAM, ["serve", ARM, "--record", file], { stdio: ["ignore", "pipe", "ignore"] });
+    const late = setTimeout(() => serve.kill(), 2 * START_MS);
     const touched = new Map();
     for await (const line of createInterface({ input: serve.stdout })) {
       const { patch, contacts } = JSON.parse(line);
@@ -256,6 +257,7 @@ describe("a whole robot", () => {
       // For so many frames, one after the other.
       if (!serve.killed && touched.size === SPACES.length && Math.min(...touched.values()) >= 50) serve.kill("SIGINT");
     }
+    clearTimeout(late);
     assert.equal(serve.exitCode ?? (await new Promise((resolve) => serve.once("exit", resolve))), 0);
   }
 
