@@ -257,3 +257,30 @@ fn words(contact: &Contact) -> String {
     };
     number + &load
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use dermatome_shared::{pipeline::reflex::Reflexes, protocol::FrameStamp};
+
+    #[test]
+    fn a_frame_without_contacts_tells_what_is_wrong_and_never_that_all_is_well() {
+        let frame = |flags, reflexes, has_contacts: bool| ScanFrame {
+            at: Some(FrameStamp { sequence: 1, timestamp_us: 0, flags }),
+            contacts: has_contacts.then(Default::default),
+            reflexes,
+            ..ScanFrame::default()
+        };
+        let is_told = |frame| {
+            let mut scene = Scene::new("palm".to_owned(), Place::of("palm", None), Vec::new(), String::new());
+            let packed = scene.messages(&frame, DIAGNOSTICS_PERIOD);
+            packed.iter().any(|packed| packed.topic == Topic::Diagnostics)
+        };
+        let well = FrameFlags::default();
+        let blind = Some(Reflexes { is_blind: true, ..Reflexes::default() });
+        assert!(is_told(frame(well, None, true)));
+        assert!(!is_told(frame(well, None, false)));
+        assert!(is_told(frame(FrameFlags::SATURATED, None, false)));
+        assert!(is_told(frame(well, blind, false)));
+    }
+}
