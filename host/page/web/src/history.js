@@ -41,7 +41,7 @@ export class History {
 
   /** `{ times, values }`: times in s, values null where they are not known. */
   of(name) {
-    if (!this.series.has(name)) this.series.set(name, { times: [], values: [], starts: 0 });
+    if (!this.series.has(name)) this.series.set(name, { times: [], values: [] });
     return this.series.get(name);
   }
 
@@ -69,9 +69,9 @@ export class History {
 
   /** No value is known from `time` on, until another comes. */
   end(name, time) {
-    const { times, values } = this.of(name);
-    const last = times.length - 1;
-    if (last >= 0 && values[last] !== null) this.add(name, Math.max(time, times[last] + BIN_S), NaN);
+    const points = this.of(name);
+    const last = points.times.length - 1;
+    if (last >= 0 && points.values[last] !== null) this.begin(points, Math.max(time, points.times[last] + BIN_S), NaN);
   }
 
   lostRate(time, lost) {
@@ -85,8 +85,12 @@ export class History {
     const points = this.of(name);
     const last = points.times.length - 1;
     if (last >= 0 && time < points.times[last] - BIN_S) points.times.length = points.values.length = 0;
-    else if (last >= 0 && time - points.starts < BIN_S) return merge(points, last, value);
-    points.starts = time;
+    else if (last >= 0 && time - points.times[last] < BIN_S) return merge(points, last, value);
+    this.begin(points, time, value);
+  }
+
+  /** A new bin from `time` on. */
+  begin(points, time, value) {
     points.times.push(time);
     points.values.push(Number.isFinite(value) ? value : null);
     forgetBefore(points, time - this.span);

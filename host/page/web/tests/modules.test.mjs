@@ -246,6 +246,13 @@ describe("history", () => {
     history.take("status", 3, status("taring"));
     history.take("contacts", 3.4, { contacts: [] });
     assert.deepEqual(history.of("count").values, [1, null, 0, null, 0]);
+    // At any time: bins are fractions that binary numbers do not hold.
+    for (let time = 0; time < 40; time += 0.01) {
+      const other = new History();
+      other.take("contacts", time, { contacts: [] });
+      other.take("status", time, status("lost"));
+      assert.deepEqual(other.of("count").values, [0, null], `at ${time}`);
+    }
   });
 });
 
