@@ -107,7 +107,9 @@ fn one_skin_file_is_on_a_robot_twice_under_names_of_their_own() {
     };
     desk.write("body.toml", body(&(patch("left", "palm") + &patch("right", "arm"))));
     BodyFile::load(&desk.path("body.toml")).unwrap();
-    add("right", "arm", &["--replace", "--thickness", "2 mm"]).success();
+    // It stays on its link, which is not that of the file.
+    let replace = ["urdf", "add", "hand.urdf", "skin.toml", "--name", "right", "--replace"];
+    desk.run(&[&replace[..], &["--thickness", "2 mm"]].concat()).success();
     assert_eq!(text(&desk, "hand.urdf"), both);
     assert!(desk.read("left.stl") != desk.read("right.stl"));
     // Neither lies where the file says.
@@ -132,6 +134,26 @@ fn one_skin_file_is_on_a_model_twice_under_names_of_their_own() {
     let replace = ["mjcf", "add", "hand.xml", "skin.toml", "--name", "left", "--replace"];
     desk.run(&replace).success();
     assert_eq!(text(&desk, "hand.xml").matches("right").count(), both.matches("right").count());
+    let replace =
+        ["mjcf", "add", "hand.xml", "skin.toml", "--name", "right", "--replace", "--json", "it.json"];
+    desk.run(&replace).success();
+    assert_eq!(desk.report("it.json")["link"], "world");
+}
+
+#[test]
+fn the_mesh_of_one_skin_does_not_take_the_place_of_anothers() {
+    let desk = desk();
+    let add = |more: &[&str]| desk.run(&[&["urdf", "add", "hand.urdf", "skin.toml"], more].concat());
+    add(&["--name", "a b"]).success();
+    let (mesh, robot) = (desk.read("a_b.stl"), text(&desk, "hand.urdf"));
+    // The same mesh can be both's.
+    add(&["--name", "a_b", "-o", "two.urdf"]).success();
+    let thick = ["--name", "a_b", "--thickness", "2 mm"];
+    let said = add(&thick).err;
+    assert!(said.contains("by default to `a_b.stl`, but that is there, and is of another skin"), "{said}");
+    assert!(desk.read("a_b.stl") == mesh && text(&desk, "hand.urdf") == robot);
+    add(&[&thick[..], &["--mesh", "b.stl"]].concat()).success();
+    assert!(desk.read("a_b.stl") == mesh && desk.path("b.stl").is_file());
 }
 
 #[test]

@@ -35,6 +35,15 @@ pub struct Mount<'a> {
     pub frame_rate: f64,
 }
 
+/// How a skin lies on a robot already.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Placed {
+    /// The link or body that it lies on; none where the description holds it by nothing that has a name.
+    pub on: Option<String>,
+    /// How the description names the file of its mesh.
+    pub mesh: Option<String>,
+}
+
 impl Mount<'_> {
     fn link_from_skin(&self) -> Isometry3<f64> {
         link_from_skin(self.pose)

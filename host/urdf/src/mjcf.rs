@@ -8,7 +8,7 @@
 //! sensor, which older releases do not know, does as much on any skin.
 
 use crate::{
-    DescriptionError, Mount,
+    DescriptionError, Mount, Placed,
     edit::{Edits, children, escaped, is, line, parse, readable},
     error::names,
     place::{number, numbers, pos_quat},
@@ -55,14 +55,20 @@ pub fn mesh_folder(text: &str) -> Result<Option<String>, DescriptionError> {
     Ok(said("meshdir").or_else(|| said("assetdir")))
 }
 
-/// How a model names the mesh file of a skin that is on it.
-pub fn mesh_of(text: &str, name: &str) -> Result<Option<String>, DescriptionError> {
+/// How the skin of this name lies on a model, if it is there.
+pub fn placed(text: &str, name: &str) -> Result<Option<Placed>, DescriptionError> {
     let readable = readable(text);
     let document = parse(&readable)?;
     let model = root_of(&document)?;
-    let parts = sensor_of(model, name).map(|sensor| of_skin(model, sensor)).transpose()?.unwrap_or_default();
-    let mesh = parts.into_iter().find(|node| is(*node, "mesh"));
-    Ok(mesh.and_then(|mesh| mesh.attribute("file")).map(str::to_owned))
+    let Some(sensor) = sensor_of(model, name) else { return Ok(None) };
+    let parts = of_skin(model, sensor)?;
+    let part = |kind: &str| parts.iter().copied().find(|node| is(*node, kind));
+    let on = part("body").and_then(|body| body.parent()).and_then(|holder| match is(holder, "worldbody") {
+        true => Some(WORLD),
+        false => holder.attribute("name"),
+    });
+    let mesh = part("mesh").and_then(|mesh| mesh.attribute("file"));
+    Ok(Some(Placed { on: on.map(str::to_owned), mesh: mesh.map(str::to_owned) }))
 }
 
 /// The text of a model with a skin on one of its bodies. One whose name on the robot is the same is refused, or replaced.
@@ -295,8 +301,9 @@ mod tests {
         let left = named(MODEL, "left", 3, false).unwrap();
         let both = named(&left, "right", 3, false).unwrap();
         assert!(!both.contains("palm"), "{both}");
-        assert_eq!(mesh_of(&both, "right"), Ok(Some("right".to_owned())));
-        assert_eq!((mesh_of(&both, "palm"), mesh_of(&both, "left_0")), (Ok(None), Ok(None)));
+        let right = Placed { on: Some("base".to_owned()), mesh: Some("right".to_owned()) };
+        assert_eq!(placed(&both, "right"), Ok(Some(right)));
+        assert_eq!((placed(&both, "palm"), placed(&both, "left_0")), (Ok(None), Ok(None)));
         assert!(matches!(named(&both, "left", 3, false), Err(DescriptionError::Skin { .. })));
         let anew = named(&both, "left", 0, true).unwrap();
         assert_eq!(anew.matches("\"right").count(), both.matches("\"right").count());

@@ -45,7 +45,8 @@ struct Add {
     /// Skin file, with its pose.
     #[arg(value_name = "SKIN")]
     skin: PathBuf,
-    /// The body that the skin lies on [default: the link that the skin file names].
+    /// The body that the skin lies on [default: the link that the skin file names, or where the skin that is replaced under
+    /// another `--name` lies].
     #[arg(long, value_name = "BODY")]
     body: Option<String>,
     /// Add so many touch sensors more, of equal balls that cover the skin together.
@@ -58,7 +59,7 @@ struct Add {
 }
 
 pub(super) fn run(Args { what: What::Add(args) }: &Args) -> anyhow::Result<()> {
-    let format = Format { folder: mjcf::mesh_folder, mesh_of: mjcf::mesh_of };
+    let format = Format { folder: mjcf::mesh_folder, placed: mjcf::placed };
     let mounting = args.options.mounting(&args.robot, &args.skin, args.body.as_deref(), &format)?;
     let taxels = mounting.surface.spread(args.taxels.into());
     let zone = Zone::round(&mounting.slab);

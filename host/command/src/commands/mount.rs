@@ -19,7 +19,7 @@ use dermatome_patch::{
     output::{check_folder, write_together},
 };
 use dermatome_urdf::{
-    DescriptionError, Mount,
+    DescriptionError, Mount, Placed,
     slab::Surface,
     urdf::check::{Places, packages_of_ros},
 };
@@ -71,12 +71,12 @@ pub(super) struct Mounting {
     uri: String,
 }
 
-/// What a format says of mesh files.
+/// What a format says of skins and mesh files.
 pub(super) struct Format {
     /// In which folder, relative to its own, a robot's text looks for them.
     pub(super) folder: fn(&str) -> Result<Option<String>, DescriptionError>,
-    /// How it names that of a skin.
-    pub(super) mesh_of: fn(&str, &str) -> Result<Option<String>, DescriptionError>,
+    /// How a skin lies on the robot.
+    pub(super) placed: fn(&str, &str) -> Result<Option<Placed>, DescriptionError>,
 }
 
 /// What was put where; keys are documented in docs/cli.md.
@@ -130,16 +130,26 @@ impl Options {
         let (of_file, pose) = on_link(skin)?;
         let frame = self.name.as_deref().unwrap_or(&of_file.name).to_owned();
         ensure!(!frame.is_empty(), "`--name` is \"\"; allowed: a name");
-        let replaced = if self.replace { (format.mesh_of)(&text, &frame) } else { Ok(None) };
+        let replaced = if self.replace { (format.placed)(&text, &frame) } else { Ok(None) };
         let replaced = replaced.map_err(|error| in_file(robot, error))?;
-        let (mesh_path, uri) = self.mesh_of(&out, folder.as_deref().unwrap_or(""), &frame, replaced)?;
+        let (old_mesh, old_on) = replaced.map_or((None, None), |placed| (placed.mesh, placed.on));
+        // Under other names than its file's a skin may be on several links, of which the file names one.
+        let old_on = old_on.filter(|_| frame != of_file.name);
+        let (mesh_path, uri) = self.mesh_of(&out, folder.as_deref().unwrap_or(""), &frame, old_mesh)?;
         let mesh = mesh(&of_file, 1.0, Lattice::default())
             .with_context(|| format!("skin file `{}`", skin.display()))?;
         let surface = Surface::of(&mesh);
+        let slab = surface.slab(thickness);
+        ensure!(
+            self.replace || self.mesh.is_some() || !is_other(&mesh_path, &stl_in_metres(&slab)),
+            "`--mesh` writes a skin's mesh, by default to `{0}`, but that is there, and is of another skin; allowed: `--mesh \
+             FILE`, `--replace`, or to remove `{0}`",
+            mesh_path.display()
+        );
         Ok(Mounting {
-            slab: surface.slab(thickness),
+            slab,
             surface,
-            on: on.unwrap_or(&pose.link).to_owned(),
+            on: on.map(str::to_owned).or(old_on).unwrap_or_else(|| pose.link.clone()),
             pose,
             frame,
             skin: of_file,
@@ -203,6 +213,11 @@ impl Options {
 fn is_ordinary(path: &Path) -> bool {
     let is_stream = ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder));
     !is_stream && (path.is_file() || !path.exists())
+}
+
+/// Whether a file is there that holds something else.
+fn is_other(path: &Path, content: &[u8]) -> bool {
+    path.exists() && std::fs::read(path).ok().as_deref() != Some(content)
 }
 
 /// The path of a file from a folder on, or its whole path if it is not in there.

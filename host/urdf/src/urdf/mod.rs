@@ -14,7 +14,7 @@ mod solids;
 pub mod tree;
 
 use crate::{
-    DescriptionError, Mount,
+    DescriptionError, Mount, Placed,
     edit::{Edits, children, escaped, line, parse, readable},
     place::{number, xyz_rpy},
 };
@@ -50,15 +50,17 @@ pub fn add(text: &str, mount: &Mount<'_>, replace: bool) -> Result<String, Descr
     Ok(edits.made())
 }
 
-/// How a robot names the mesh file of a skin that is on it.
-pub fn mesh_of(text: &str, name: &str) -> Result<Option<String>, DescriptionError> {
+/// How the skin of this name lies on a robot, if it is there.
+pub fn placed(text: &str, name: &str) -> Result<Option<Placed>, DescriptionError> {
     let readable = readable(text);
     let document = parse(&readable)?;
     let robot = root_of(&document)?;
-    let frame = sensor_of(robot, name).and_then(|sensor| link_in(sensor, "parent"));
-    let link = frame.and_then(|frame| named(robot, "link", frame).next());
+    let Some(sensor) = sensor_of(robot, name) else { return Ok(None) };
+    let frame = link_in(sensor, "parent").unwrap_or_default();
+    let on = joints_onto(robot, frame).next().and_then(|joint| link_in(joint, "parent"));
+    let link = named(robot, "link", frame).next();
     let mesh = link.and_then(|link| meshes::of_link(link, "visual").into_iter().next());
-    Ok(mesh.map(|mesh| mesh.uri.to_owned()))
+    Ok(Some(Placed { on: on.map(str::to_owned), mesh: mesh.map(|mesh| mesh.uri.to_owned()) }))
 }
 
 /// The sensor of a skin.
@@ -181,13 +183,14 @@ mod tests {
         let left = add(ROBOT, &one("left"), false).unwrap();
         let both = add(&left, &one("right"), false).unwrap();
         assert!(both.contains("<tactile channel=\"right\" skin=\"palm\">"), "{both}");
-        assert_eq!(mesh_of(&both, "right"), Ok(Some("right".to_owned())));
-        assert_eq!((mesh_of(&both, "palm"), mesh_of(ROBOT, "left")), (Ok(None), Ok(None)));
+        let on_base = |mesh: &str| Some(Placed { on: Some("base".to_owned()), mesh: Some(mesh.to_owned()) });
+        assert_eq!(placed(&both, "right"), Ok(on_base("right")));
+        assert_eq!((placed(&both, "palm"), placed(ROBOT, "left")), (Ok(None), Ok(None)));
         assert!(matches!(add(&both, &one("left"), false), Err(DescriptionError::Skin { .. })));
         assert_eq!(add(&both, &one("right"), true).unwrap(), both);
         // What is replaced goes to the end.
         let anew = add(&both, &Mount { mesh: "new", ..one("left") }, true).unwrap();
-        assert_eq!(mesh_of(&anew, "left"), Ok(Some("new".to_owned())));
+        assert_eq!(placed(&anew, "left"), Ok(on_base("new")));
         assert_eq!(anew.matches("\"right\"").count(), both.matches("\"right\"").count());
         let places = check::Places { folder: std::path::Path::new("."), packages: &[] };
         let robot = left.replace("<mesh filename=\"left\"/>", "<sphere radius='1'/>");

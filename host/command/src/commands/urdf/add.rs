@@ -26,7 +26,8 @@ pub(super) struct Args {
     /// Skin file, with its pose.
     #[arg(value_name = "SKIN")]
     skin: PathBuf,
-    /// The link that the skin lies on [default: the one that the skin file names].
+    /// The link that the skin lies on [default: the one that the skin file names, or where the skin that is replaced under
+    /// another `--name` lies].
     #[arg(long, value_name = "LINK")]
     link: Option<String>,
     #[command(flatten)]
@@ -36,7 +37,7 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
-    let format = Format { folder: |_| Ok(None), mesh_of: urdf::mesh_of };
+    let format = Format { folder: |_| Ok(None), placed: urdf::placed };
     let mounting = args.options.mounting(&args.robot, &args.skin, args.link.as_deref(), &format)?;
     let robot = urdf::add(&mounting.text, &mounting.mount(), mounting.replace);
     mounting.write(&robot.map_err(|error| in_file(&args.robot, error))?)?;
