@@ -343,9 +343,9 @@ describe("reflexes", () => {
     browser = await launch();
     folder = mkdtempSync(join(tmpdir(), "dermatome-reflexes-"));
     writeFileSync(join(folder, "palm.toml"), TINY + RULE);
-    // A finger that goes from the region to the other side and back.
-    const at = (time, x) => `${time},1,${x},0,0.012,0.9\n`;
-    const round = (start) => [[0, 0.025], [3.9, 0.025], [4, -0.025], [11.9, -0.025]].map(([time, x]) => at(start + time, x)).join("");
+    // A finger that presses the region, and lifts: elsewhere it would read as nearly the limit.
+    const at = (time, depth) => `${time},1,0.025,0,0.012,${depth}\n`;
+    const round = (start) => [[0, 0.9], [3.9, 0.9], [4, 0], [11.9, 0]].map(([time, depth]) => at(start + time, depth)).join("");
     const rows = Array.from({ length: 20 }, (_, i) => round(12 * i));
     writeFileSync(join(folder, "path.csv"), `time_s,finger,x_m,y_m,radius_m,depth\n${rows.join("")}`);
     board = spawn(PROGRAM, ["simulate", "palm.toml", "--listen", "tcp:127.0.0.1:0", "--path", "path.csv"], { cwd: folder });
