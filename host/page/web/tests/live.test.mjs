@@ -18,9 +18,14 @@ const SKIN = fileURLToPath(new URL("../../../../models/disc-210mm/skin.toml", im
 const skip = PROGRAM ? missing : "not run: DERMATOME does not name the program";
 const START_MS = 60000;
 
+// A test that fails does not end what it has started, and for that these tests would wait.
+const started = [];
+after(() => started.forEach((child) => child.kill("SIGKILL")));
+
 /** Starts the program in `folder`, and tells its address, which it says on `out`. `end` ends it. */
 async function start(folder, listen = "127.0.0.1:0", command = ["view", "--port", `sim:${SKIN}`], out = "stdout") {
   const child = spawn(PROGRAM, [...command, "--listen", listen, "--no-browser"], { cwd: folder });
+  started.push(child);
   const said = [];
   child.stderr.on("data", (data) => said.push(data));
   if (out !== "stdout") child.stdout.resume();
@@ -28,7 +33,8 @@ async function start(folder, listen = "127.0.0.1:0", command = ["view", "--port"
   const late = new Promise((_, reject) => setTimeout(reject, START_MS, new Error("no address")).unref());
   const { value } = await Promise.race([lines.next(), late]);
   assert.match(String(value), /^http:\/\/127\.0\.0\.1:\d+\/(\?token=.*)?$/, Buffer.concat(said).toString());
-  const end = () => new Promise((resolve) => child.once("exit", resolve) && child.kill("SIGINT"));
+  const hasEnded = () => child.exitCode !== null || child.signalCode !== null;
+  const end = () => new Promise((resolve) => (hasEnded() ? resolve() : child.once("exit", resolve) && child.kill("SIGINT")));
   return { url: value, port: new URL(value).port, end };
 }
 
