@@ -62,6 +62,8 @@ pub(super) struct Mounting {
     pub(super) on: String,
     pub(super) surface: Surface,
     pub(super) slab: Mesh,
+    /// The slab as its file holds it.
+    stl: Vec<u8>,
     pub(super) replace: bool,
     thickness: f64,
     /// The robot's own text.
@@ -140,14 +142,16 @@ impl Options {
             .with_context(|| format!("skin file `{}`", skin.display()))?;
         let surface = Surface::of(&mesh);
         let slab = surface.slab(thickness);
+        let stl = stl_in_metres(&slab);
         ensure!(
-            self.replace || self.mesh.is_some() || !is_other(&mesh_path, &stl_in_metres(&slab)),
+            self.replace || self.mesh.is_some() || !is_other(&mesh_path, &stl),
             "`--mesh` writes a skin's mesh, by default to `{0}`, but that is there, and is of another skin; allowed: `--mesh \
              FILE`, `--replace`, or to remove `{0}`",
             mesh_path.display()
         );
         Ok(Mounting {
             slab,
+            stl,
             surface,
             on: on.map(str::to_owned).or(old_on).unwrap_or_else(|| pose.link.clone()),
             pose,
@@ -244,7 +248,7 @@ impl Mounting {
 
     /// Writes mesh and robot, both or none.
     pub(super) fn write(&self, robot: &str) -> anyhow::Result<()> {
-        Ok(write_together(&[(&self.mesh, &stl_in_metres(&self.slab)), (&self.out, robot.as_bytes())])?)
+        Ok(write_together(&[(&self.mesh, &self.stl), (&self.out, robot.as_bytes())])?)
     }
 
     pub(super) fn report(&self) -> Report<'_> {
