@@ -7,7 +7,8 @@
 //!
 //! **When a turn came** is not known: the CPU may have stood still, for the flash, while it did. Known is when nothing
 //! unread was there last, which is looked at all the time. A turn that may be older than it may lapses, and so does one
-//! after which another block was heard.
+//! after which another block was heard. One that comes before this board knows that the last one has ended counts: the
+//! acquisition, which shares its executor, may keep that from it.
 //!
 //! **Its own echo**, where the transceiver hears what it sends, is read and dropped like what other boards say.
 //!
@@ -135,10 +136,14 @@ async fn serve(parts: &mut LinkParts, ring: &mut [u8; RING_BYTES]) -> Result<Inf
         ear: Ear::default(),
         bytes: [0; 128],
         nothing_unread: Instant::now(),
+        is_behind: false,
+        turn: None,
         look: Timer::after(LOOK_INTERVAL),
     };
     loop {
-        while !listener.hear().await? {}
+        while !listener.may_speak() {
+            listener.hear().await?;
+        }
         match select(listener.overhear(), speak(&mut tx, address)).await {
             Either::First(Err(error)) => return Err(error),
             Either::Second(result) => result?,
@@ -167,44 +172,56 @@ struct Listener<'a> {
     bytes: [u8; 128],
     /// When nothing unread was there last.
     nothing_unread: Instant,
+    /// Whether more may be there than was taken.
+    is_behind: bool,
+    /// The board's turn, if no other block was heard since: it did not come before this time.
+    turn: Option<Instant>,
     /// The line is looked at again.
     look: Timer,
 }
 
 impl Listener<'_> {
-    /// Takes what has come, or looks again; says whether the board may speak now.
-    async fn hear(&mut self) -> Result<bool, usart::Error> {
+    /// Whether the board has a turn that has not lapsed, which it takes.
+    fn may_speak(&mut self) -> bool {
+        !self.is_behind && self.turn.take().is_some_and(|came_after| came_after.elapsed() < OLDEST_TURN)
+    }
+
+    /// Takes what has come, or looks again. Giving it up loses nothing.
+    async fn hear(&mut self) -> Result<(), usart::Error> {
         let looked = Instant::now();
         let Either::First(read) = select(self.rx.read(&mut self.bytes), &mut self.look).await else {
             self.look = Timer::after(LOOK_INTERVAL);
             self.nothing_unread = looked;
-            return Ok(false);
+            self.is_behind = false;
+            return Ok(());
         };
         let length = read?;
-        let is_mine = self.take(length);
-        if length == self.bytes.len() {
+        self.take(length);
+        self.is_behind = length == self.bytes.len();
+        if self.is_behind {
             // Bytes that come as fast as they are read must not keep the acquisition waiting.
             yield_now().await;
-            return Ok(false);
+            return Ok(());
         }
-        let came_after = core::mem::replace(&mut self.nothing_unread, Instant::now());
+        self.nothing_unread = Instant::now();
         if self.ear.is_in_block() {
             Timer::after(REST_OF_BLOCK).await;
         }
-        Ok(is_mine && self.nothing_unread - came_after < OLDEST_TURN)
+        Ok(())
     }
 
-    /// Hands on what belongs to requests to this board; says whether its turn was the last block heard.
-    fn take(&mut self, length: usize) -> bool {
-        let (mut kept, mut is_mine) = (0, false);
+    /// Hands on what belongs to requests to this board, and notes its turn.
+    fn take(&mut self, length: usize) {
+        let mut kept = 0;
         let bytes = &mut self.bytes[..length];
         for place in 0..bytes.len() {
             match self.ear.hear(bytes[place]) {
                 Some(Heard::Token { mark, address }) => {
-                    is_mine = mark == Mark::Turn && address == self.address;
+                    let is_mine = mark == Mark::Turn && address == self.address;
+                    self.turn = is_mine.then_some(self.nothing_unread);
                 }
                 Some(Heard::Byte { mark, address, byte }) => {
-                    is_mine = false;
+                    self.turn = None;
                     if mark == Mark::Request && address == self.address {
                         bytes[kept] = byte;
                         kept += 1;
@@ -216,7 +233,6 @@ impl Listener<'_> {
         if !hand_on(&bytes[..kept]) {
             warn!("bytes of a request dropped: those before it were not read yet");
         }
-        is_mine
     }
 
     /// Drops what comes while the board speaks.
