@@ -15,8 +15,8 @@ use dermatome_shared::{
     drive::Drive,
     frame::FrameFlags,
     protocol::{
-        MAX_PACKET_BYTES, Request, Selection,
-        bus::{ADDRESSES, Mark},
+        self, MAX_PACKET_BYTES, Request, RequestPacket, Selection, Version,
+        bus::{ADDRESSES, Ear, Heard, Mark},
     },
     restart::Restart,
 };
@@ -42,6 +42,11 @@ pub(super) const CASES: &[Case] = &[
         name: "a turn that comes while the CPU stands still lapses, or is answered in time",
         needs: NEEDS,
         run: stands_still,
+    },
+    Case {
+        name: "a turn that comes before a board knows that its last one has ended is answered",
+        needs: NEEDS,
+        run: turn_after_turn,
     },
     Case { name: "each address is heard by its board alone", needs: NEEDS, run: addresses },
 ];
@@ -381,6 +386,77 @@ fn stands_still(rig: &Rig) -> Result<String, Failure> {
     })?;
     let [longest, shortest] = [longest_answered, shortest_lapsed].map(millis);
     Ok(format!("answered where it stands for up to {longest:.2} ms, lapsed from {shortest:.2} on"))
+}
+
+/// Gives a board its turn, so many zero bytes later, and has its CPU stand for a while from a slice on, if it is to. Says in
+/// how many slices the host has heard the turn's end, if it has.
+fn slices_of_turn(
+    line: &mut Line,
+    zeros: usize,
+    stands: Option<(usize, Time)>,
+) -> Result<Option<usize>, Halt> {
+    line.take_heard();
+    line.say(&[&vec![0; zeros][..], &Mark::Turn.block(0)].concat());
+    let deadline = line.host_free() + Time::from_millis(20);
+    let mut ear = Ear::default();
+    for slice in 0.. {
+        if line.now() >= deadline {
+            break;
+        }
+        if let Some((_, time)) = stands.filter(|&(from, _)| from == slice) {
+            line.stop_cpu(0, time);
+        }
+        line.run_slice()?;
+        let mut heard = line.take_heard().into_iter().filter_map(|(_, byte)| ear.hear(byte));
+        if heard.any(|heard| heard == Heard::Token { mark: Mark::End, address: 0 }) {
+            return Ok(Some(slice + 1));
+        }
+    }
+    Ok(None)
+}
+
+fn turn_after_turn(rig: &Rig) -> Result<String, Failure> {
+    // More zero bytes make a turn begin at another time of a slice.
+    const ZEROS: usize = 8;
+    const STANDS: Time = Time::from_micros(400);
+    let bus = rig.bus().start(&[0], &rig.bus().flash())?;
+    let hello = RequestPacket { sequence: 1, request: Request::Hello(Version::current()) };
+    let mut room = [0; MAX_PACKET_BYTES];
+    let hello = protocol::encode(&hello, &mut room).map_err(Failure::wrong)?;
+    let ask = [&[0][..], &Mark::Request.head(0), hello].concat();
+    // A turn with a reply, perhaps one in which the CPU stands, and one after it.
+    let turns = |zeros, stands| {
+        let ask = ask.clone();
+        bus.with(move |line| {
+            line.say(&ask);
+            line.run_until(line.host_free() + Time::from_millis(3))?;
+            let first = slices_of_turn(line, zeros, stands)?;
+            let second = slices_of_turn(line, 1, None)?;
+            // Its driver goes off.
+            line.run_until(line.now() + Time::from_millis(1))?;
+            Ok::<_, Halt>((first, second))
+        })
+    };
+    bus.with(Line::take_record);
+    let mut waited = 0;
+    for hears_itself in [false, true] {
+        bus.with(move |line| line.let_hear_itself(0, hears_itself));
+        for zeros in 1..=ZEROS {
+            let slices = turns(zeros, None)?.0.ok_or_else(|| Failure::wrong("a turn is not answered"))?;
+            for from in slices - 6..slices {
+                let (first, second) = turns(zeros, Some((from, STANDS)))?;
+                ensure(first.is_some() && second.is_some(), || {
+                    format!(
+                        "not answered: {first:?} and {second:?}, of {slices} slices the CPU stands from {from} on, {zeros} zeros"
+                    )
+                })?;
+            }
+            let findings = checked_clean(&bus, &[0])?;
+            ensure(findings.payload > 14 * 20, || "no replies were sent".to_owned())?;
+            waited += findings.latencies.iter().filter(|&&latency| latency > Time::from_micros(100)).count();
+        }
+    }
+    Ok(format!("{waited} turns came while the CPU stood still"))
 }
 
 fn addresses(rig: &Rig) -> Result<String, Failure> {
