@@ -3,7 +3,7 @@
 //! It is as simple as can be, for cases: one turn after the other, to each address in order, and a pause where no
 //! board had anything to say.
 
-use super::{Bus, LATENCY};
+use super::{Bus, LATENCY, Line};
 use crate::{chip::time::Time, machine::Halt};
 use dermatome::link::{Link, LinkError, Transport};
 use dermatome_shared::protocol::bus::{Ear, Heard, Mark, TURN_LAPSES_MS};
@@ -102,17 +102,7 @@ impl State {
         let mut block = std::mem::take(&mut member.requests);
         block.push(0);
         block.extend(Mark::Turn.block(address));
-        let turn = self.bus.with(move |line| {
-            line.take_heard();
-            line.say(&block);
-            let mut turn =
-                Turn { ear: Ear::default(), heard: Vec::new(), quiet_since: line.host_free(), ended: false };
-            while !turn.ended && line.now() < turn.quiet_since + LATENCY + PATIENCE {
-                line.run_slice()?;
-                line.take_heard().into_iter().for_each(|(at, byte)| turn.hear(address, at, byte));
-            }
-            Ok(turn)
-        })?;
+        let turn = self.bus.with(move |line| Turn::give(line, address, &block, |_, _| ()))?;
         member.lapsed += usize::from(!turn.ended);
         self.is_busy |= !turn.heard.is_empty();
         member.inbox.extend(turn.heard);
@@ -125,14 +115,39 @@ impl State {
 }
 
 /// What comes of a turn.
-struct Turn {
+pub(crate) struct Turn {
     ear: Ear,
-    heard: Vec<u8>,
+    /// Of packets.
+    pub(crate) heard: Vec<u8>,
     quiet_since: Time,
-    ended: bool,
+    /// Whether the board said that it has ended.
+    pub(crate) ended: bool,
+    /// How many slices it took.
+    pub(crate) slices: usize,
 }
 
 impl Turn {
+    /// Says a block that gives an address the line, and waits until its turn is over. Each slice can be prepared, by its
+    /// number.
+    pub(crate) fn give(
+        line: &mut Line,
+        address: u8,
+        block: &[u8],
+        mut before_slice: impl FnMut(&mut Line, usize),
+    ) -> Result<Self, Halt> {
+        line.take_heard();
+        line.say(block);
+        let quiet_since = line.host_free();
+        let mut turn = Self { ear: Ear::default(), heard: Vec::new(), quiet_since, ended: false, slices: 0 };
+        while !turn.ended && line.now() < turn.quiet_since + LATENCY + PATIENCE {
+            before_slice(line, turn.slices);
+            line.run_slice()?;
+            turn.slices += 1;
+            line.take_heard().into_iter().for_each(|(at, byte)| turn.hear(address, at, byte));
+        }
+        Ok(turn)
+    }
+
     fn hear(&mut self, address: u8, at: Time, byte: u8) {
         self.quiet_since = self.quiet_since.max(at);
         match self.ear.hear(byte) {

@@ -1,6 +1,8 @@
 //! Cases of boards on one line: each speaks in its turn and in no other, whatever happens to it, to the line and to
 //! the others. What the line's own record shows is checked after each of them.
 
+mod turns;
+
 use super::{
     Case, Failure, TIMEOUT, ensure, ensure_complete, ensure_up, ensure_uploads_at_once, next_frame, patches,
 };
@@ -15,8 +17,8 @@ use dermatome_shared::{
     drive::Drive,
     frame::FrameFlags,
     protocol::{
-        self, MAX_PACKET_BYTES, Request, RequestPacket, Selection, Version,
-        bus::{ADDRESSES, Ear, Heard, Mark},
+        MAX_PACKET_BYTES, Request, Selection,
+        bus::{ADDRESSES, Mark},
     },
     restart::Restart,
 };
@@ -41,13 +43,14 @@ pub(super) const CASES: &[Case] = &[
     Case {
         name: "a turn that comes while the CPU stands still lapses, or is answered in time",
         needs: NEEDS,
-        run: stands_still,
+        run: turns::stands_still,
     },
     Case {
         name: "a turn that comes before a board knows that its last one has ended is answered",
         needs: NEEDS,
-        run: turn_after_turn,
+        run: turns::follows_at_once,
     },
+    Case { name: "a turn that fills a read", needs: NEEDS, run: turns::fills_a_read },
     Case { name: "each address is heard by its board alone", needs: NEEDS, run: addresses },
 ];
 
@@ -350,113 +353,6 @@ fn hangs(rig: &Rig) -> Result<String, Failure> {
     ensure_up(&mut links[0], &Restart::PowerOn)?;
     checked_clean(&bus, &addresses)?;
     Ok(format!("its driver goes off {:.2} ms later", millis(drives)))
-}
-
-fn stands_still(rig: &Rig) -> Result<String, Failure> {
-    const STANDS: u64 = 60;
-    let stands = |step| Time::from_micros(250 * step);
-    let bus = rig.bus().start(&[0, 1], &rig.bus().flash())?;
-    let mut answered = Vec::new();
-    for step in 0..STANDS {
-        let stands = stands(step);
-        bus.with(Line::take_record);
-        bus.with(move |line| {
-            // Some time after the line was looked at last, another one each time.
-            line.run_until(line.now() + Time::from_micros(1000 + 130 * step))?;
-            line.stop_cpu(0, stands);
-            line.say(&[&[0][..], &Mark::Turn.block(0)].concat());
-            line.run_until(line.host_free() + Time::from_millis(11))?;
-            line.say(&[&[0][..], &Mark::Turn.block(1)].concat());
-            line.run_until(line.host_free() + Time::from_millis(11))
-        })?;
-        let findings = checked_clean(&bus, &[0, 1])?;
-        ensure(findings.turns == 2, || format!("{} turns", findings.turns))?;
-        if findings.latencies.len() == 2 {
-            answered.push(stands);
-        }
-    }
-    let lapsed = |stands: &Time| !answered.contains(stands);
-    let shortest_lapsed = (0..STANDS).map(stands).find(lapsed).unwrap_or(Time::NEVER);
-    let longest_answered = answered.last().copied().unwrap_or_default();
-    ensure(shortest_lapsed > Time::from_millis(5), || {
-        format!("a turn lapses where the CPU stands for {shortest_lapsed}")
-    })?;
-    ensure(longest_answered < Time::from_millis(10), || {
-        format!("a turn is answered where the CPU stands for {longest_answered}")
-    })?;
-    let [longest, shortest] = [longest_answered, shortest_lapsed].map(millis);
-    Ok(format!("answered where it stands for up to {longest:.2} ms, lapsed from {shortest:.2} on"))
-}
-
-/// Gives a board its turn, so many zero bytes later, and has its CPU stand for a while from a slice on, if it is to. Says in
-/// how many slices the host has heard the turn's end, if it has.
-fn slices_of_turn(
-    line: &mut Line,
-    zeros: usize,
-    stands: Option<(usize, Time)>,
-) -> Result<Option<usize>, Halt> {
-    line.take_heard();
-    line.say(&[&vec![0; zeros][..], &Mark::Turn.block(0)].concat());
-    let deadline = line.host_free() + Time::from_millis(20);
-    let mut ear = Ear::default();
-    for slice in 0.. {
-        if line.now() >= deadline {
-            break;
-        }
-        if let Some((_, time)) = stands.filter(|&(from, _)| from == slice) {
-            line.stop_cpu(0, time);
-        }
-        line.run_slice()?;
-        let mut heard = line.take_heard().into_iter().filter_map(|(_, byte)| ear.hear(byte));
-        if heard.any(|heard| heard == Heard::Token { mark: Mark::End, address: 0 }) {
-            return Ok(Some(slice + 1));
-        }
-    }
-    Ok(None)
-}
-
-fn turn_after_turn(rig: &Rig) -> Result<String, Failure> {
-    // More zero bytes make a turn begin at another time of a slice.
-    const ZEROS: usize = 8;
-    const STANDS: Time = Time::from_micros(400);
-    let bus = rig.bus().start(&[0], &rig.bus().flash())?;
-    let hello = RequestPacket { sequence: 1, request: Request::Hello(Version::current()) };
-    let mut room = [0; MAX_PACKET_BYTES];
-    let hello = protocol::encode(&hello, &mut room).map_err(Failure::wrong)?;
-    let ask = [&[0][..], &Mark::Request.head(0), hello].concat();
-    // A turn with a reply, perhaps one in which the CPU stands, and one after it.
-    let turns = |zeros, stands| {
-        let ask = ask.clone();
-        bus.with(move |line| {
-            line.say(&ask);
-            line.run_until(line.host_free() + Time::from_millis(3))?;
-            let first = slices_of_turn(line, zeros, stands)?;
-            let second = slices_of_turn(line, 1, None)?;
-            // Its driver goes off.
-            line.run_until(line.now() + Time::from_millis(1))?;
-            Ok::<_, Halt>((first, second))
-        })
-    };
-    bus.with(Line::take_record);
-    let mut waited = 0;
-    for hears_itself in [false, true] {
-        bus.with(move |line| line.let_hear_itself(0, hears_itself));
-        for zeros in 1..=ZEROS {
-            let slices = turns(zeros, None)?.0.ok_or_else(|| Failure::wrong("a turn is not answered"))?;
-            for from in slices - 6..slices {
-                let (first, second) = turns(zeros, Some((from, STANDS)))?;
-                ensure(first.is_some() && second.is_some(), || {
-                    format!(
-                        "not answered: {first:?} and {second:?}, of {slices} slices the CPU stands from {from} on, {zeros} zeros"
-                    )
-                })?;
-            }
-            let findings = checked_clean(&bus, &[0])?;
-            ensure(findings.payload > 14 * 20, || "no replies were sent".to_owned())?;
-            waited += findings.latencies.iter().filter(|&&latency| latency > Time::from_micros(100)).count();
-        }
-    }
-    Ok(format!("{waited} turns came while the CPU stood still"))
 }
 
 fn addresses(rig: &Rig) -> Result<String, Failure> {
